@@ -129,6 +129,20 @@ class Robot(Table):
         return _read_only(np.array(self.gravity_m_s2))
 
     @cached_property
+    def upright(self) -> Array:
+        """R_UB by the shortest turn: z of the frame U points up, against gravity, shape (3, 3). The
+        identity where that of the base does, or nothing has weight; half a turn about x where the
+        arm hangs."""
+        size = float(np.linalg.norm(self.gravity))
+        if size == 0.0 or np.allclose(self.gravity, [0.0, 0.0, -size]):
+            return _read_only(np.eye(3))
+        x, y, z = -self.gravity / size
+        if z < -1 + 1e-12:
+            return _read_only(np.diag([1.0, -1.0, -1.0]))
+        K = np.array([[0.0, 0.0, -x], [0.0, 0.0, -y], [x, y, 0.0]])
+        return _read_only(np.eye(3) + K + K @ K / (1 + z))
+
+    @cached_property
     def q_min(self) -> Array:
         """Lower end of the joint box [rad], shape (n,)."""
         return _read_only(np.radians([j.limits.range_deg[0] for j in self.joints]))

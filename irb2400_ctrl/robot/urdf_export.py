@@ -26,12 +26,16 @@ def save_urdf(robot: Robot, path: Path | str) -> Path:
 
 def to_urdf(robot: Robot) -> str:
     """The robot as URDF text: links `base`, those of the file, `flange`, `tool`, `tcp`; joints turn
-    by A q."""
+    by A q. URDF has no gravity, its users let it point down: a base that does not stand upright is
+    mounted on a link `world` that does."""
     lines = [
         '<?xml version="1.0" encoding="utf-8"?>',
         f"<robot name={quoteattr(robot.name)}>",
         _head(robot),
     ]
+    X_WB = _mounting(robot)
+    if X_WB is not None:
+        lines += ['  <link name="world"/>', _fixed("base", "world", X_WB)]
     lines.append('  <link name="base"/>')
     parent = "base"
     for i, link in enumerate(robot.links):
@@ -60,6 +64,9 @@ def _head(robot: Robot) -> str:
             "way; torques come back as tau_q = A^T tau_joint."
         )
         notes.append("Limits of coupled joints are what the actuators' limits allow at most.")
+    if _mounting(robot) is not None:
+        along = ", ".join(f"{v:g}" for v in robot.gravity)
+        notes.append(f"Gravity is [{along}] m/s2 in base; world stands upright.")
     if robot.effects:
         kinds = ", ".join(sorted({effect.kind for effect in robot.effects}))
         notes.append(f"Effects of the robot file that URDF cannot hold: {kinds}.")
@@ -71,6 +78,15 @@ def _head(robot: Robot) -> str:
     )
     text = "\n       ".join(notes).replace("--", "-")
     return f"  <!-- {escape(text)} -->"
+
+
+def _mounting(robot: Robot) -> Array | None:
+    """Pose of the base in a frame whose z axis points up, shape (4, 4); None where its own does."""
+    if np.array_equal(robot.upright, np.eye(3)):
+        return None
+    X = np.eye(4)
+    X[:3, :3] = robot.upright
+    return X
 
 
 def _combination(row: Array) -> str:

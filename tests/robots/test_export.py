@@ -180,6 +180,29 @@ def test_a_urdf_comes_back_as_it_went_out(tmp_path: Path) -> None:
     np.testing.assert_allclose(back.q_max, robot.q_max, rtol=1e-14)
 
 
+@pytest.mark.parametrize("along", [(0, 0, 9.81), (9.81, 0, 0), (2, -3, -8.9)])
+def test_an_arm_that_hangs_or_leans_takes_its_gravity_along(
+    along: tuple[float, float, float], tmp_path: Path
+) -> None:
+    """URDF has none: the reader's, straight down, has to be that of the arm."""
+    pin = pytest.importorskip("pinocchio")
+    robot = arm("irb1200").model_copy(update={"gravity_m_s2": along})
+    text = to_urdf(robot)
+    engine = pin.buildModelFromXML(text)
+    size = float(np.linalg.norm(robot.gravity))
+    engine.gravity.linear = np.array([0.0, 0.0, -size])
+    path = tmp_path / "arm.urdf"
+    path.write_text(text)
+    back = import_robot(path, base="base").robot
+    np.testing.assert_allclose(robot.gravity * 9.81 / size, back.gravity, atol=1e-9)
+    for q in states(robot, 3)[0]:
+        np.testing.assert_allclose(
+            pin.computeGeneralizedGravity(engine, engine.createData(), robot.A @ q),
+            irb.Model(robot).gravity(q),
+            atol=1e-9,
+        )
+
+
 def test_limits_that_nobody_knows_hinder_no_urdf(tmp_path: Path) -> None:
     """Most files of makers state no effort, and an MJCF no speed."""
     robot = arm("irb1200")

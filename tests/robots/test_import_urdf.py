@@ -155,6 +155,24 @@ def test_base_and_tool_can_be_chosen(tmp_path: Path) -> None:
         imported(tmp_path, text, tip="hand")
 
 
+def test_gravity_is_that_of_the_link_that_the_chain_begins_with(tmp_path: Path) -> None:
+    """An arm below a ceiling: without its stand it would be one on a floor, all torques wrong."""
+    text = urdf(ARMS["irb1200"]).replace(
+        '<link name="base_link"/>',
+        '<link name="base_link"/><link name="ceiling"/><joint name="stand" type="fixed">'
+        '<parent link="ceiling"/><child link="base_link"/>'
+        '<origin xyz="0 0 3" rpy="3.14159265 0.3 0.5"/></joint>',
+    )
+    whole = imported(tmp_path, text)
+    alone = imported(tmp_path, text, base="base_link")
+    q = np.random.default_rng(3).uniform(-1.0, 1.0, (4, 6))
+    np.testing.assert_allclose(
+        irb.Model(alone.robot).gravity(q), irb.Model(whole.robot).gravity(q), atol=1e-8
+    )
+    assert any("base_link is mounted turned" in note for note in alone.notes)
+    assert not any("mounted" in note for note in whole.notes)
+
+
 def test_a_parallelogram_and_a_payload_are_stated(tmp_path: Path) -> None:
     text = urdf(ARMS["irb4600"])
     serial = imported(tmp_path, text).robot

@@ -112,8 +112,7 @@ def chain_robot(
     fields: dict[str, Any] = {
         "name": tree.name,
         "source": tree.source,
-        "gravity_m_s2": tree.gravity,
-        "gravity_source": "assumption: the base stands upright; the file does not say",
+        **_gravity(tree, base, notes),
         "uncertainty": DRAWN if tree.drawn else {},
         "coupling": _coupling(n, followers, coupling),
         "links": [
@@ -129,6 +128,20 @@ def chain_robot(
     drawn = chain.drawn if outline else []
     robot = with_outline(_valid(tree, fields), drawn, tree.folders, notes)
     return Imported(robot, tuple(grouped(notes)))
+
+
+def _gravity(tree: Tree, base: str, notes: list[str]) -> dict[str, Any]:
+    """Gravity as the chain's first link sees it; a note where the file mounts that one turned."""
+    gravity = tree.gravity_at(base)
+    upright = "the base"
+    if not np.allclose(gravity, tree.gravity):
+        upright = "what carries the base"
+        along = ", ".join(f"{v:.4g}" for v in gravity)
+        notes.append(f"link {base} is mounted turned: gravity is [{along}] m/s2 in its frame")
+    return {
+        "gravity_m_s2": gravity.tolist(),
+        "gravity_source": f"assumption: {upright} stands upright; the file does not say",
+    }
 
 
 def _on_bodies(tree: Tree, chain: _Collected) -> list[str]:

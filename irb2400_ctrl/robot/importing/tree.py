@@ -134,6 +134,18 @@ class Tree:
             link = above[link].parent
         return path[::-1]
 
+    def gravity_at(self, link: str) -> Array:
+        """Gravity in the frame of a link, all joints before it at zero [m/s2], shape (3,)."""
+        above = {joint.child: joint for joint in self.joints}
+        R = np.eye(3)
+        for _ in self.joints:
+            if link not in above:
+                break
+            R = above[link].X[:3, :3] @ R
+            link = above[link].parent
+        # what rounding leaves of a quarter turn is none
+        return np.asarray(np.round(R.T @ np.array(self.gravity), 12) + 0.0)
+
     def hanging_on(self, link: str) -> list[TreeJoint]:
         """Joints whose parent is this link."""
         return [joint for joint in self.joints if joint.parent == link]
