@@ -19,6 +19,8 @@ UNITS = {"mm": 1e-3, "cm": 1e-2, "m": 1.0, "inch": 0.0254}
 # no thing in a cell is smaller or larger than this: its unit is wrong [m]
 SMALLEST = 1e-3
 LARGEST = 50.0
+# one without a stated unit that would be smaller is likelier one of metres [m]
+SMALLEST_UNSTATED = 0.02
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,14 +98,24 @@ def read_mesh(mesh: Mesh, folder: Path) -> Surface:
         )
     points, triangles, closed = triangles_of(path)
     points = UNITS[mesh.unit] * points
-    size = float(np.ptp(points, axis=0).max())
+    _look_at_size(mesh, path, float(np.ptp(points, axis=0).max()))
+    centre = (points.min(axis=0) + points.max(axis=0)) / 2
+    X = pose(mesh.place_mm, mesh.turn_deg)
+    X[:3, 3] += X[:3, :3] @ centre
+    return Surface(points - centre, triangles, X, closed)
+
+
+def _look_at_size(mesh: Mesh, path: Path, size: float) -> None:
+    """Whether a thing of this size [m] is one that stands in a cell."""
     if not SMALLEST <= size <= LARGEST:
         raise InputError(
             f"mesh {path}: found a thing of {1e3 * size:.3g} mm with unit = {mesh.unit!r}, "
             f"expected one of {1e3 * SMALLEST:g} mm to {LARGEST:g} m; STL states no unit: is it "
             f"another of {', '.join(UNITS)}?"
         )
-    centre = (points.min(axis=0) + points.max(axis=0)) / 2
-    X = pose(mesh.place_mm, mesh.turn_deg)
-    X[:3, 3] += X[:3, :3] @ centre
-    return Surface(points - centre, triangles, X, closed)
+    if "unit" not in mesh.model_fields_set and size < SMALLEST_UNSTATED:
+        raise InputError(
+            f"mesh {path}: found a thing of {1e3 * size:.3g} mm, taken for millimetres because no "
+            f"unit is stated, expected {1e3 * SMALLEST_UNSTATED:g} mm or more; STL knows no unit: "
+            'write unit = "m" beside its file, or unit = "mm" where it is so small'
+        )

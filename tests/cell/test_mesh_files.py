@@ -65,6 +65,15 @@ def test_another_unit_is_asked_about(tmp_path: Path, scale: float, unit: str, si
         cell_pieces(cell)
 
 
+def test_a_wall_in_metres_is_no_speck(tmp_path: Path) -> None:
+    """Without a unit it would be 3 mm large, and nothing would ever touch it."""
+    wall = stl(CORNERS * 0.03)
+    with pytest.raises(InputError, match=r"a thing of 3 mm, taken for.*write unit"):
+        cell_pieces(load_cell(cell_with(tmp_path, wall)))
+    (pin,) = cell_pieces(load_cell(cell_with(tmp_path, wall, unit="mm")))
+    assert 2e3 * pin.half_size()[0] == pytest.approx(3.0, rel=1e-5)
+
+
 def test_corners_that_are_no_numbers_are_refused(tmp_path: Path) -> None:
     """A reader that leaves such triangles out would show a part with a hole."""
     corners = CORNERS.copy()
@@ -91,7 +100,7 @@ def test_a_part_that_is_not_where_the_path_is_is_asked_about(tmp_path: Path) -> 
     right = load_cell(cell_with(tmp_path, stl(CORNERS)))
     assert beside_part(program, right, right.work_frame) is None
     # inches read as millimetres: a part of 4.7 mm, the path 10 mm from it
-    small = load_cell(cell_with(tmp_path, stl(CORNERS / 25.4)))
+    small = load_cell(cell_with(tmp_path, stl(CORNERS / 25.4), "small.stl", unit="mm"))
     assert "mm to block, which is 4.658 mm large" in str(
         beside_part(program, small, small.work_frame)
     )
