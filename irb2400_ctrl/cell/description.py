@@ -181,7 +181,8 @@ class Cell(Table):
     """a motion keeps at least this distance, or is refused; what cuts and what may be cut come as
     near as its program says"""
     floor_mm: float | None = None
-    """height of the floor in the robot base; absent: no floor"""
+    """height of the floor over the origin of the robot base, up against gravity: below zero under
+    an arm that hangs; absent: no floor"""
     work_object: Placed | None = None
     rail: Rail | None = None
     positioner: Plate | None = None

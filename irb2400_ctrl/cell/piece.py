@@ -117,8 +117,14 @@ def tool_offset(tool: CellTool) -> Array:
     return X
 
 
-def cell_pieces(cell: Cell) -> list[Piece]:
+def cell_pieces(cell: Cell, robot: Robot | None = None) -> list[Piece]:
     """The shapes of a cell; reads the files of its meshes.
+
+    The floor lies across gravity: above the base of an arm that hangs, as its base frame has it.
+
+    Args:
+        cell: what stands around the arm.
+        robot: whose gravity says where the floor is; default straight down.
 
     Raises:
         InputError: a mesh cannot be read.
@@ -142,7 +148,10 @@ def cell_pieces(cell: Cell) -> list[Piece]:
     if cell.floor_mm is not None:
         centre = (0.0, 0.0, cell.floor_mm - _FLOOR_MM[2] / 2)
         slab = Box(kind="box", centre_mm=centre, size_mm=_FLOOR_MM)
-        found.append(Piece(FLOOR, 0, np.eye(4), slab))
+        X = np.eye(4)
+        if robot is not None:
+            X[:3, :3] = robot.upright.T
+        found.append(Piece(FLOOR, 0, X, slab))
     return found
 
 

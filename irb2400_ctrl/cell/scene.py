@@ -74,7 +74,7 @@ class Scene:
         if robot.outline is None:
             return None
         arm, own, _ = arm_space(robot, tool)
-        things = [] if cell is None else cell_pieces(cell)
+        things = [] if cell is None else cell_pieces(cell, robot)
         if things:
             load_coal()
         outer = [(i, k) for i, p in enumerate(arm) if p.link > 0 for k in range(len(things))]

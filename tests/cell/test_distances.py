@@ -181,7 +181,35 @@ def test_a_mesh_inside_a_body_is_a_collision(tmp_path: Path) -> None:
     tip = MODEL.tcp_pose(q[0])
     # in the cutter, which is a cylinder: no triangle of it is crossed
     place = (1e3 * (tip[:3, 3] - 0.02 * tip[:3, 2])).tolist()
-    shape = {"kind": "mesh", "file": "grain.stl", "place_mm": place}
+    shape = {"kind": "mesh", "file": "grain.stl", "unit": "mm", "place_mm": place}
     grain = {"name": "grain", "role": "obstacle", "shapes": [shape]}
     around = scene(Cell.model_validate({"name": "a", "folder": tmp_path, "things": [grain]}))
     assert around.clearance(q, np.zeros(1, dtype=bool), 1.0)[0] < 0
+
+
+@pytest.mark.parametrize("along", [(0, 0, 9.81), (9.81, 0, 0), (3, -4, -8)])
+def test_the_floor_lies_across_gravity(along: tuple[float, float, float]) -> None:
+    """Under an arm that hangs, as its base frame has it, the floor is above."""
+    robot = ROBOT.model_copy(update={"gravity_m_s2": along})
+    cell = Cell(name="hall", floor_mm=-2500.0)
+    found = Scene.of(Model(robot), robot, cell)
+    assert found is not None
+    down = np.array(along) / np.linalg.norm(along)
+    q = np.zeros((1, 6))
+    least = np.inf
+    poses = found.near(q)[1]
+    for number, (i, _) in enumerate(found.outer):
+        ends, radius = found.arm[i].capsule()
+        X = poses[0, found.arm[i].link]
+        deepest = ((ends @ X[:, :3].T + X[:, 3]) @ down).max() + radius
+        distance = found.exact(number, poses)[0]
+        # a cylinder does not reach as far down as the capsule around it
+        assert -1e-6 < distance - (2.5 - deepest) < (1e-6 if found.arm[i].is_capsule else radius)
+        least = min(least, float(distance))
+    assert found.clearance(q, np.zeros(1, dtype=bool), 10.0, ~_own(found))[0] == pytest.approx(
+        least, abs=1e-6
+    )
+
+
+def _own(found: Scene) -> npt.NDArray[np.bool_]:
+    return np.arange(found.pairs) < len(found.own)

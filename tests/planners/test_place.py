@@ -16,11 +16,13 @@ from irb2400_ctrl.cli.main import app
 from irb2400_ctrl.errors import InputError, UnreachableError
 from irb2400_ctrl.planners import read_program
 from irb2400_ctrl.planners.placement import Area, place, rail_position
+from irb2400_ctrl.planners.placement.area import Standing
 from irb2400_ctrl.planners.placement.constant_ways import constant_ways
 from irb2400_ctrl.planners.placement.outlook import ALIKE, outlook
 from irb2400_ctrl.planners.placement.task import task_of
 from irb2400_ctrl.planners.redundancy.cutting_load import CuttingLoad
 from irb2400_ctrl.planners.redundancy.singularity_margins import reach_left
+from irb2400_ctrl.robot import Transform
 from irb2400_ctrl.robot.shape import pose
 
 ROBOT = load_robot("irb2400")
@@ -171,3 +173,37 @@ def test_the_carriage_is_brought_to_the_part(part: Path, tmp_path: Path) -> None
     task = task_of(ROBOT, read_program(part).operation(), True, there, None).thinned(48, 24)
     again = outlook([task], found.found.X_BW, patient=True)
     assert again.margins == pytest.approx(found.found.margins, rel=1e-6)
+
+
+def test_a_part_keeps_its_tilt_whatever_way_the_arm_leans() -> None:
+    """Turned about the vertical, which is the base's x axis for an arm on a wall."""
+    wall = ROBOT.model_copy(update={"gravity_m_s2": (-9.81, 0.0, 0.0)})
+    stands = pose((0, 0, 0), (0, 90, 0))[:3, :3]
+    centre = np.array([0.1, 0.2, 0.0])
+    for robot, R_BW, up in ((wall, stands, 0), (ROBOT, np.eye(3), 2)):
+        X = Standing(np.array([0.8, 0.0, 0.4]), np.pi / 2).pose(R_BW, centre, robot.upright)
+        np.testing.assert_allclose(X[:3, 2], np.eye(3)[up], atol=1e-12)
+        np.testing.assert_allclose(X[:3, :3] @ centre + X[:3, 3], [0.8, 0.0, 0.4], atol=1e-12)
+        turned = X[:3, :3] @ R_BW.T
+        assert turned[up, up] == pytest.approx(1.0)
+        assert np.trace(turned) == pytest.approx(1.0)
+
+
+def test_the_area_of_an_arm_on_a_wall_lies_before_the_wall() -> None:
+    floor = Area.around(MODEL, np.zeros(1))
+    X = Transform.model_validate({"transform": pose((0, 0, 1000), (0, 90, 0)).tolist()})
+    first = ROBOT.links[0].model_copy(
+        update={
+            "frame": Transform.model_validate(
+                {"transform": (X.matrix() @ ROBOT.links[0].frame.matrix()).tolist()}
+            )
+        }
+    )
+    wall = Area.around(
+        Model(ROBOT.model_copy(update={"links": (first, *ROBOT.links[1:])})), np.zeros(1)
+    )
+    ends = np.array([floor.low, floor.high])
+    # before the wall as far as above the floor, beside and below its foot as far as around it
+    np.testing.assert_allclose([wall.low[0], wall.high[0]], ends[:, 2], atol=1e-9)
+    np.testing.assert_allclose([wall.low[1], wall.high[1]], ends[:, 1], atol=1e-9)
+    np.testing.assert_allclose([wall.low[2] - 1, wall.high[2] - 1], ends[:, 0], atol=1e-9)

@@ -77,3 +77,23 @@ def test_a_part_that_stands_is_at_rest(tmp_path: Path) -> None:
     frames, boxes = seen(ArmView(ROBOT, time, np.zeros((50, 6)), (), cell(tmp_path)))
     assert frames.shape[1] == ROBOT.n + 1
     assert boxes == {"bar": 0, "stand": 0}
+
+
+def test_an_arm_that_hangs_is_shown_hanging() -> None:
+    hung = ROBOT.model_copy(update={"gravity_m_s2": (0.0, 0.0, 9.81)})
+    time = np.linspace(0.0, 1.0, 5)
+    q = np.zeros((5, 6))
+    shown = [ArmView(robot, time, q, reference=np.ones((2, 3))).data() for robot in (ROBOT, hung)]
+    upright, below = (
+        np.frombuffer(base64.b64decode(data["way"]), dtype="<f4").reshape(-1, 3) for data in shown
+    )
+    np.testing.assert_allclose(below, upright * [1, -1, -1], atol=1e-6)
+    poses = [
+        np.frombuffer(base64.b64decode(data["frames"]), dtype="<f4").reshape(-1, 7, 7)
+        for data in shown
+    ]
+    np.testing.assert_allclose(poses[1][..., 2], -poses[0][..., 2], atol=1e-6)
+    # the base, and what stands in its frame, upside down
+    np.testing.assert_allclose(np.abs(poses[1][:, 0, 3:]), [[1, 0, 0, 0]] * len(below), atol=1e-6)
+    thin = np.frombuffer(base64.b64decode(shown[1]["reference"]), dtype="<f4").reshape(-1, 3)
+    np.testing.assert_allclose(thin, [[1, -1, -1]] * len(thin), atol=1e-6)

@@ -35,13 +35,15 @@ class Area:
 
     @classmethod
     def around(cls, model: Model, turns: Array) -> Area:
-        """All that the arm may reach, from its foot up to twice the height of axis 2."""
+        """All that the arm may reach across axis 1, from its foot up to twice the height of axis
+        2 along it."""
         g = model.arm_geometry
-        reach = abs(g.a1) + g.a2 + g.forearm_reach()
+        along = g.X_B0[:3, 2]
+        across = np.sqrt(np.maximum(1 - along**2, 0.0))
+        reach = (abs(g.a1) + g.a2 + g.forearm_reach()) * across
         foot = g.X_B0[:3, 3]
-        low = np.array([foot[0] - reach, foot[1] - reach, foot[2]])
-        high = np.array([foot[0] + reach, foot[1] + reach, foot[2] + 2 * abs(g.d1)])
-        return cls(low, high, turns)
+        ends = np.array([foot, foot + 2 * g.d1 * along])
+        return cls(ends.min(axis=0) - reach, ends.max(axis=0) + reach, turns)
 
     def grid(self, spacing: float) -> Array:
         """Places (m, 3), at most `spacing` apart [m], ends included."""
@@ -65,13 +67,18 @@ class Standing:
     turn: float
     """about the vertical, beyond how it stood at first [rad]"""
 
-    def pose(self, upright: Array, centre: Array) -> Array:
-        """X_BW (4, 4) of a work object that stands as R_BW = `upright` (3, 3) without a turn, with
-        the middle of its part at `centre` (3,) in its own frame."""
+    def pose(self, R_BW: Array, centre: Array, R_UB: Array) -> Array:
+        """X_BW of the work object, shape (4, 4).
+
+        Args:
+            R_BW: how it stands without a turn, shape (3, 3).
+            centre: middle of its part in its own frame [m], shape (3,).
+            R_UB: `upright` of the robot: its z axis is the vertical, shape (3, 3).
+        """
         c = np.cos(self.turn)
         s = np.sin(self.turn)
         X = np.eye(4)
-        X[:3, :3] = np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]]) @ upright
+        X[:3, :3] = R_UB.T @ np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]]) @ R_UB @ R_BW
         X[:3, 3] = self.middle - X[:3, :3] @ centre
         return X
 

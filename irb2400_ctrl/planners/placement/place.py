@@ -112,7 +112,7 @@ def place(
     where = Area.around(tasks[0].model, turns) if area is None else area
 
     def pose(at: Standing) -> Array:
-        return at.pose(first[:3, :3], centre)
+        return at.pose(first[:3, :3], centre, robot.upright)
 
     search = Search(where)
     coarse = thinned(tasks, operations, COARSE)

@@ -84,10 +84,12 @@ class ArmView:
         X_nT = self.robot.flange.matrix() @ self.robot.X_FT
         if self.tool is not None:
             X_nT = X_nT @ tool_offset(self.tool)
-        poses = self._on_floor(time, poses)
-        last = poses[:, -1]
+        poses = np.concatenate([self._on_floor(time, poses), self._carried(time)], axis=1)
+        # an arm that hangs is shown hanging
+        poses = self.robot.upright @ poses
+        last = poses[:, self.robot.n]
         way = last[:, :, :3] @ X_nT[:3, 3] + last[:, :, 3]
-        poses = np.concatenate([poses, self._carried(time)], axis=1)
+        reference = None if self.reference is None else self.reference @ self.robot.upright.T
         return {
             "start": float(time[0]),
             "stop": float(time[-1]),
@@ -97,7 +99,7 @@ class ArmView:
             "flange": self.robot.n,
             "tcp": [float(v) for v in X_nT[:3, 3]],
             "way": _packed(way),
-            "reference": None if self.reference is None else _packed(_thin(self.reference)),
+            "reference": None if reference is None else _packed(_thin(reference)),
             "floor": self._floor(),
             "fields": [self._field(one, time) for one in self.colourings],
         }
