@@ -173,9 +173,9 @@ class Plate(Table):
     axes are nearest to upright; "move": both axes turn during the cut"""
     operations: dict[str, Angles | Literal["find", "move"]] = Field(default_factory=dict)
     """for an operation of this name, or number"""
-    keep: Vector3 = (0.0, 0.0, 1.0)
+    keep: Vector3 | None = None
     """direction in the robot base that a positioner which moves keeps the tool near, out of the
-    part"""
+    part; default up, against gravity"""
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
@@ -190,7 +190,7 @@ class Plate(Table):
                 self.moved(angles)
         if "move" in asked:
             _ = self.moving
-        if not any(self.keep):
+        if self.keep is not None and not any(self.keep):
             raise ValueError("keep: found no direction, expected one such as [0, 0, 1]")
         return self
 

@@ -47,9 +47,13 @@ def floor_and_column(robot: Robot) -> tuple[float, float]:
 
 
 def height_and_radius(model: Model, q: Array) -> tuple[Array, Array]:
-    """Of the lower and the nearer of flange and TCP [m], shape (m,) each."""
+    """Of the lower one of flange and TCP over the base plane, and of the one nearer to axis 1 [m],
+    shape (m,) each."""
     p = np.stack([pose(q)[:, :3, 3] for pose in (model.tcp_pose, model.flange_pose)])
-    radius: Array = np.hypot(p[..., 0], p[..., 1]).min(axis=0)
+    first = model.robot.links[0].frame.matrix()
+    # axis 1 need not go through the base frame: an arm beside the middle of its stand
+    across = np.cross(p - first[:3, 3], first[:3, 2])
+    radius: Array = np.linalg.norm(across, axis=-1).min(axis=0)
     return p[..., 2].min(axis=0), radius
 
 

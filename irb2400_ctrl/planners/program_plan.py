@@ -216,7 +216,7 @@ def clearance_plane(
         (path_in_base(robot, placed_path(o, options), options), o.rapid)
         for o, options in zip(program.operations, asked, strict=True)
     ]
-    return ClearancePlane.over(paths, spindle_axis(robot), links.clearance)
+    return ClearancePlane.over(paths, spindle_axis(robot), links.clearance, robot.upright[2])
 
 
 def for_operation(robot: Robot, operation: Operation, options: dict[str, Any]) -> dict[str, Any]:
@@ -244,7 +244,8 @@ def for_operation(robot: Robot, operation: Operation, options: dict[str, Any]) -
         asked = cell.positioner.asked(operation.number, operation.name)
         if asked == "find":
             path = operation.path.moved(cell.work_object.pose)
-            setting = upright(cell.positioner.kinematics, path, spindle_axis(robot))
+            axes = cell.positioner.kinematics
+            setting = upright(axes, path, spindle_axis(robot), robot.upright[2])
             first, last = np.degrees(setting.angles)
             asked = (round(float(first), 3), round(float(last), 3))
         found.update(cell=cell.on_positioner(asked), work_frame=None)

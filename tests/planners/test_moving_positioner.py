@@ -16,6 +16,8 @@ from irb2400_ctrl.effects.load_friction import LoadFriction
 from irb2400_ctrl.errors import InputError, UnreachableError
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.planners import Plan, check, plan_path
+from irb2400_ctrl.planners.redundancy.part_law import part_motion
+from irb2400_ctrl.planners.toolpath.orientation import shape_path
 
 Array = npt.NDArray[np.float64]
 ROBOT = load_robot("irb2400")
@@ -45,6 +47,18 @@ def test_the_file_read_ten_thousand_times_a_second_keeps_what_it_says(
     turned = np.degrees(np.ptp(seen.between, axis=0))
     assert turned[0] > 20
     assert turned[1] > 360
+
+
+def test_the_tool_is_kept_up_against_gravity() -> None:
+    spindle = np.array([0.0, 0.0, 1.0])
+    curve = shape_path(PATH, spindle, 5e-5).curve
+    for gravity in (-9.81, 9.81):
+        arm = ROBOT.model_copy(update={"gravity_m_s2": (0.0, 0.0, gravity)})
+        motion = part_motion(curve, spindle, TABLE.cell(), Model(arm), True)
+        u = np.linspace(0.0, curve.segments, 50)
+        turned = motion.axes.turned(motion.law(u))[:, :3, :3]
+        axis = np.einsum("mij,mj->mi", turned, curve.pose(u)[1])
+        assert (axis @ arm.upright[2]).min() > 0.5
 
 
 def test_a_table_with_skew_axes_keeps_what_it_says(tmp_path: Path) -> None:

@@ -276,3 +276,24 @@ def test_a_free_rotation_is_not_asked_for_again() -> None:
     circle = builders.circle((0.95, 0.5, 0.6), 0.15, feed=0.1)
     with pytest.raises(UnreachableError, match=r"at every other rotation about the tool; .* tool"):
         plan_path(stiff, circle)
+
+
+@pytest.mark.parametrize(("corners", "side", "smooth"), [(24, 0.1, False), (240, 0.002, True)])
+def test_a_polygon_of_long_sides_is_no_sampled_curve(
+    corners: int, side: float, smooth: bool
+) -> None:
+    """Its bends are as gentle, but a curve through them would leave its sides by 3.6 mm."""
+    turn = 2 * np.pi * np.arange(corners) / corners
+    radius = side / 2 / np.sin(np.pi / corners)
+    points = np.stack([1 + radius * np.cos(turn), radius * np.sin(turn), 0 * turn], axis=1)
+    curve = smooth_curve(builders.way_points(points, feed=0.1), 5e-5)
+    assert (curve.segments == corners - 1) == smooth
+    found = curve(np.linspace(0, curve.segments, 20_000))[:, :3]
+    ends = np.stack([points[:-1], points[1:]])
+    along = (ends[1] - ends[0]) / side
+    far = np.full(len(found), np.inf)
+    for begin, way in zip(ends[0], along, strict=True):
+        gap = found - begin
+        gap -= (gap @ way).clip(0, side)[:, None] * way
+        far = np.minimum(far, np.linalg.norm(gap, axis=1))
+    assert far.max() < 5.01e-5

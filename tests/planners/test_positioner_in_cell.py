@@ -117,6 +117,17 @@ def test_angles_are_found_or_stated_for_each_operation(tmp_path: Path) -> None:
         plan_path(ROBOT, top.path, cell=around)
 
 
+def test_upright_is_against_gravity(tmp_path: Path) -> None:
+    """Below an arm that hangs, whose base frame is upside down, the side is turned up as well."""
+    file = tmp_path / "part.apt"
+    file.write_text(PART)
+    side = read_program(file).operations[1]
+    hung = ROBOT.model_copy(update={"gravity_m_s2": (0.0, 0.0, 9.81)})
+    options = {"cell": cell(tmp_path, 'position_deg = "find"')}
+    up = for_operation(hung, side, options)["cell"].work_frame[:3, :3] @ [1, 0, 0]
+    assert np.allclose(up, [0, 0, -1], atol=1e-4)
+
+
 @pytest.mark.slow
 def test_two_sides_in_one_motion(tmp_path: Path) -> None:
     cell(tmp_path, "position_deg = [0, 0]")

@@ -218,7 +218,8 @@ def print_deviation(s: dict[str, Any], tolerance: float) -> None:
     why = "; straight between rows the TCP cuts curves" if s["interpolation"] == "linear" else ""
     print(
         f"the TCP leaves the path by up to {most:.3f} mm, {1e3 * tolerance:g} mm were asked for"
-        f"{why}; more rows (--rate) or a lower feed bring it nearer"
+        f"{why}; a smaller --tolerance-mm makes corners of more bends, more rows (--rate) or a "
+        "lower feed bring the rest nearer"
     )
 
 

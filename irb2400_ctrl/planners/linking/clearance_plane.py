@@ -35,15 +35,26 @@ class ClearancePlane:
 
     @classmethod
     def over(
-        cls, paths: Sequence[tuple[ToolPath, Mask]], spindle: Array, clearance: float
+        cls,
+        paths: Sequence[tuple[ToolPath, Mask]],
+        spindle: Array,
+        clearance: float,
+        vertical: Array = _UP,
     ) -> ClearancePlane:
-        """Above all cuts of paths in the base; to each belongs which moves are rapid, (n,)."""
+        """Above all cuts of paths in the base.
+
+        Args:
+            paths: to each belongs which moves are rapid, shape (n,).
+            spindle: direction of the tool in the TCP frame, out of the spindle, shape (3,).
+            clearance: over the highest cut [m].
+            vertical: in the base, what is up where the tool axes do not agree, shape (3,).
+        """
         kept = [cutting_points(rapid) for _, rapid in paths]
         places = np.concatenate([p.position[k] for (p, _), k in zip(paths, kept, strict=True)])
         axes = [p.tool_axis(spindle)[k] for (p, _), k in zip(paths, kept, strict=True)]
         mean = np.concatenate(axes).mean(axis=0)
         length = float(np.linalg.norm(mean))
-        up = mean / length if length > _AGREE else _UP
+        up = mean / length if length > _AGREE else vertical
         return cls(up, float((places @ up).max()) + clearance, clearance)
 
     def above(self, place: Array) -> float:

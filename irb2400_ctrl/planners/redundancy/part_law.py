@@ -65,7 +65,9 @@ def part_motion(
     axes = cell.external_axes
     assert axes is not None
     turning = axes.turning
-    part = PartMotion(turning, _turning_law(curve, spindle, cell, axes)) if len(turning) else None
+    part = None
+    if len(turning):
+        part = PartMotion(turning, _turning_law(curve, spindle, cell, model.robot.upright[2]))
     if not axes.slides:
         assert part is not None
         return part
@@ -79,12 +81,21 @@ def part_motion(
 
 
 def _turning_law(
-    curve: TaskCurve, spindle: Array, cell: Cell, axes: ExternalAxes
+    curve: TaskCurve, spindle: Array, cell: Cell, up: Array
 ) -> Callable[[Array], Array]:
     """Of the axes of a positioner; where the arm stands on a rail, from the place of the carriage
-    that is nearest to them."""
+    that is nearest to them.
+
+    Args:
+        curve: the path and its tool axes.
+        spindle: direction of the tool in the TCP frame, out of the spindle, shape (3,).
+        cell: with axes that move.
+        up: in the base, what the tool is kept near unless the cell says otherwise, shape (3,).
+    """
+    axes = cell.external_axes
     assert cell.positioner is not None
-    wished = np.array(cell.positioner.keep)
+    assert axes is not None
+    wished = np.array(up if cell.positioner.keep is None else cell.positioner.keep)
     u = _stations(curve)
     s = arc_length(curve, u)
     position, first, full = curve.pose(u)

@@ -100,7 +100,10 @@ def choose_settings(
 
 
 def upright(
-    positioner: Positioner, path: ToolPath, spindle_axis: ArrayLike = (0.0, 0.0, 1.0)
+    positioner: Positioner,
+    path: ToolPath,
+    spindle_axis: ArrayLike = (0.0, 0.0, 1.0),
+    up: ArrayLike = (0.0, 0.0, 1.0),
 ) -> Setting:
     """The angles at which the largest angle between the tool axes of a path and the vertical is
     smallest: the best of a grid of 5 degrees, refined to 0.001 degrees.
@@ -108,14 +111,16 @@ def upright(
     Args:
         positioner: its axes and ranges.
         path: on the part.
-        spindle_axis: the vertical that the tool axes shall be near, shape (3,).
+        spindle_axis: direction of the tool in the TCP frame, out of the spindle, shape (3,).
+        up: the vertical in the robot base, shape (3,).
     """
+    vertical = np.asarray(up, dtype=float)
     axes = path.tool_axis(np.asarray(spindle_axis, dtype=float))
     low, high = positioner.ranges
 
     def tilt_at(angles: Array) -> float:
-        up = positioner.work_piece_pose(np.clip(angles, low, high))[2, :3]
-        return float(np.arccos(np.clip(axes @ up, -1.0, 1.0)).max())
+        seen = vertical @ positioner.work_piece_pose(np.clip(angles, low, high))[:3, :3]
+        return float(np.arccos(np.clip(axes @ seen, -1.0, 1.0)).max())
 
     steps = _GRID * np.arange(-_TURN, _TURN + 1)
     tilts, turns = (np.unique(np.clip(steps, a, b)) for a, b in zip(low, high, strict=True))

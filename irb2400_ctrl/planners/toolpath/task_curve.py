@@ -6,7 +6,8 @@ per radian, are the control polygon of a uniform cubic B-spline. Such a curve is
 differentiable, exactly straight where its control points are, and passes the control point V_i at
 the distance |V_{i-1} - 2 V_i + V_{i+1}| / 6. At corners, further control points on the polygon's
 sides hold that distance below the tolerance. Where the polygon bends gently (a curve sampled by
-CAM) the control points are chosen so that the curve passes through the way-points.
+CAM: by little, and no higher over its chords than `GENTLE` tolerances) the control points are
+chosen so that the curve passes through the way-points.
 """
 
 from __future__ import annotations
@@ -27,6 +28,9 @@ ROTATION_LENGTH = 0.1
 SMOOTH_BEND = 0.3
 """change of direction up to which a way-point counts as part of a smooth curve, not a corner
 [rad]"""
+GENTLE = 10.0
+"""how far beside its chords a smooth curve may swing through the way-points, in tolerances: sampled
+curves do by less, a polygon of long sides bends as little but is none"""
 FEED_STEP = 1e-3
 """distance of the control points beside a way-point at which the feed changes [m]"""
 # rows: basis functions of a uniform cubic B-spline segment in powers of u
@@ -191,9 +195,13 @@ def _corner_steps(
     bend = np.linalg.norm(np.diff(sides / length[:, None], axis=0), axis=1)
     before = length[:-1]
     after = length[1:]
-    smooth = (bend < SMOOTH_BEND) & (np.maximum(before, after) < 2 * np.minimum(before, after))
+    longer = np.maximum(before, after)
+    # height of an arc of that bend over its chord, the tool's turning left out
+    height = np.linalg.norm(np.diff(sides[:, :3] / length[:, None], axis=0), axis=1) * longer / 8
+    smooth = (bend < SMOOTH_BEND) & (longer < 2 * np.minimum(before, after))
+    smooth &= height <= GENTLE * tolerance
     # the longer side decides: beside a tiny one the curve would still cut the corner from far away
-    passed = bend * np.maximum(before, after) / 6
+    passed = bend * longer / 6
     needed = np.where(
         ~smooth & (passed > tolerance), 6 * tolerance / np.maximum(bend, 1e-12), np.inf
     )
