@@ -26,8 +26,10 @@ def check_reference(robot: Robot, motion: Trajectory) -> None:
         axis = int(np.argmax(over))
         found = f"axis {axis + 1} reaches {np.degrees(_largest(motion.q[:, axis])):.4g} deg"
         box = np.degrees([robot.q_min[axis], robot.q_max[axis]])
-        hint = "check that the file is this arm's"
-        if _beyond(robot, np.radians(motion.q)).max() <= FAR_RAD:
+        hint = "check that the file is this arm's (--robot)"
+        # another arm's angles would fit as degrees, too, being small numbers of radians
+        fits = _beyond(robot, np.radians(motion.q)).max() <= FAR_RAD
+        if fits and np.abs(motion.q).max() > 2 * np.pi:
             hint = "the numbers fit if they are degrees: name the columns q1_deg, ..."
         raise InputError(
             f"trajectory: found {found}; expected {box[0]:.4g} to {box[1]:.4g} deg ({robot.name}); "
