@@ -102,6 +102,11 @@ HEAD = "x_mm,y_mm,z_mm,i,j,k\n900,0,500,0,0,1\n"
         ("a.csv", "", "is empty"),
         ("a.csv", "x_mm,y_mm\n1,2\n", "no column z_mm"),
         ("a.csv", "x,y,z,i,j,k\n1,2,3,0,0,1\n", "write the unit into the names: x_mm for x"),
+        (
+            "a.csv",
+            "x_m,y_m,z_m,i,j,k\n1,2,3,0,0,1\n",
+            "write x_mm for x_m, and their numbers in mm",
+        ),
         ("a.csv", "X [mm],Y [mm],Z [mm],i,j,k\n1,2,3,0,0,1\n", "names: x_mm for X [mm]"),
         ("a.csv", "x_mm;y_mm;z_mm;i;j;k\n1,5;a;3;0;0;1\n", "found 'a', expected a number"),
         ("a.csv", "x_mm,y_mm,z_mm\n1,2,3\n", "no orientation"),

@@ -107,7 +107,7 @@ def test_degrees_taken_for_radians_are_refused() -> None:
 
 def test_another_arms_angles_are_not_called_degrees() -> None:
     """119.7 deg on axis 3: a number of 2.1 radians, which as degrees would be inside any box."""
-    other = Trajectory(MOVE.time, MOVE.q + [0, 0, 2.1, 0, 0, 0], MOVE.qd, MOVE.qdd)
+    other = Trajectory(MOVE.time, MOVE.q + np.array([0, 0, 2.1, 0, 0, 0]), MOVE.qd, MOVE.qdd)
     with pytest.raises(InputError, match=r"axis 3 reaches .*is this arm's \(--robot\)$"):
         simulate(arm(), other, "computed_torque")
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
@@ -12,6 +12,8 @@ from irb2400_ctrl.errors import InputError
 if TYPE_CHECKING:
     from irb2400_ctrl.arrays import Array
     from irb2400_ctrl.cell import Cell
+    from irb2400_ctrl.planners import CamProgram
+    from irb2400_ctrl.robot import Robot
 
 PositionerOption = Annotated[
     str | None,
@@ -41,6 +43,28 @@ def placed(
     if positioner is not None:
         around = around.on_positioner(_tilt_and_turn(positioner))
     return pose, around, around.work_frame
+
+
+def doubts(arm: Robot, program: CamProgram, options: dict[str, Any]) -> list[str]:
+    """What to ask of the place of a part: a spindle below it, a path beside it.
+
+    Args:
+        arm: whose gravity says what is below.
+        program: its points in the frame of the CAM file.
+        options: of `plan_path`, with the frame and the cell.
+    """
+    from irb2400_ctrl.planners.clearance.beside_part import beside_part
+    from irb2400_ctrl.planners.linking.part_in_base import frame_of
+    from irb2400_ctrl.planners.toolpath.from_below import from_below
+
+    cell = options["cell"]
+    frame = frame_of(options)
+    turns = cell is not None and cell.positioner is not None
+    found = [
+        None if turns else from_below(arm, program, frame),
+        None if cell is None else beside_part(program, cell, frame),
+    ]
+    return [question for question in found if question is not None]
 
 
 def _tilt_and_turn(text: str) -> tuple[float, float] | Literal["find", "move"]:

@@ -27,7 +27,7 @@ from irb2400_ctrl.cli.options import (
 )
 from irb2400_ctrl.cli.planning.cutting import CuttingForceOption, StiffnessOption, cutting_load
 from irb2400_ctrl.cli.planning.job import Job
-from irb2400_ctrl.cli.planning.placing import PositionerOption, placed
+from irb2400_ctrl.cli.planning.placing import PositionerOption, doubts, placed
 from irb2400_ctrl.cli.planning.plan_program import (
     held,
     link_options,
@@ -53,6 +53,7 @@ from irb2400_ctrl.errors import UnreachableError
 
 if TYPE_CHECKING:
     from irb2400_ctrl.planners import CamProgram, Plan
+    from irb2400_ctrl.robot import Robot
 
 PathArgument = Annotated[
     Path,
@@ -220,7 +221,7 @@ def plan(
         "torque_rate": None if torque_rate is None else torque_rate * arm.tau_max,
         "jerk": None if jerk_deg_s3 is None else math.radians(jerk_deg_s3),
     }
-    _say_assumed(program, options)
+    _say_assumed(arm, program, options)
     chosen = link_options(len(program.operations), links, clearance, approach, start)
     job = Job(arm, program, chosen, options, out, rapid_options(rapid, rapid_set, rapid_io))
     return plan_all(job) if _in_parts(job) else _plan_one(job)
@@ -262,21 +263,15 @@ def _read(
     return replace(program, operations=(program.operation(operation),))
 
 
-def _say_assumed(program: CamProgram, options: dict[str, Any]) -> None:
+def _say_assumed(arm: Robot, program: CamProgram, options: dict[str, Any]) -> None:
     """What the file leaves open, which operations take the robot file's tool because the cell does
     not have theirs, and whether the part is meant to be where it is."""
-    from irb2400_ctrl.planners.clearance.beside_part import beside_part
-    from irb2400_ctrl.planners.linking.part_in_base import frame_of
-
     for note in program.of_kind("assumed"):
         print(f"assumed, {note}")
     cell = options["cell"]
-    if cell is None:
-        return
-    question = beside_part(program, cell, frame_of(options))
-    if question is not None:
+    for question in doubts(arm, program, options):
         print(f"is this meant? {question}")
-    if options["tool"] is not None:
+    if cell is None or options["tool"] is not None:
         return
     for operation in program.operations:
         asked = operation.tool

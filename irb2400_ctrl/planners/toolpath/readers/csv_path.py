@@ -22,6 +22,8 @@ POINT = ["x_mm", "y_mm", "z_mm"]
 AXIS = ["i", "j", "k"]
 QUATERNION = ["qw", "qx", "qy", "qz"]
 FEED = "feed_mm_s"
+LENGTH = re.compile(r"[\W_]*(mm|cm|m|in|inch)?\W*$")
+"""the unit behind the name of a place"""
 MOST_NAMED = 8
 """columns that a message repeats"""
 # a column that sounds like motion and is not read would change the motion in silence
@@ -74,13 +76,9 @@ def _columns(header: list[str], name: str, line: int) -> tuple[bool, list[str]]:
     missing = [key for key in POINT if key not in header]
     if missing:
         told = ",".join(header[:MOST_NAMED]) + ",…" * (len(header) > MOST_NAMED)
-        bare = {key.removesuffix("_mm") for key in missing}
-        there = {re.sub(r"\W*mm\W*$", "", key.lower()): key for key in header}
-        example = f"{missing[0]} for {there.get(missing[0][0])}"
-        name_them = f"; write the unit into the names: {example}" if bare <= there.keys() else ""
         raise InputError(
             f"{name}, line {line}: no column {', '.join(missing)} in the header "
-            f"{told}{looks_like(header, 'path')}{name_them}"
+            f"{told}{_renamed(header, missing)}"
         )
     twice = sorted({key for key in header if header.count(key) > 1})
     if twice:
@@ -102,6 +100,20 @@ def _columns(header: list[str], name: str, line: int) -> tuple[bool, list[str]]:
             "or remove it"
         )
     return full, others
+
+
+def _renamed(header: list[str], missing: list[str]) -> str:
+    """What to write for the places, where they are there without their unit or in another one; else
+    what the columns are of."""
+    there = {LENGTH.sub("", key.lower()): key for key in header}
+    if not {key.removesuffix("_mm") for key in missing} <= there.keys():
+        return looks_like(header, "path")
+    key = there[missing[0][0]]
+    example = f"write the unit into the names: {missing[0]} for {key}"
+    unit = LENGTH.search(key.lower())
+    if unit is None or unit[1] in {None, "mm"}:
+        return f"; {example}"
+    return f"; places are in mm: write {missing[0]} for {key}, and their numbers in mm"
 
 
 def _table(
