@@ -67,6 +67,16 @@ def test_a_large_program_is_split_into_procedures(model: irb.Model) -> None:
     assert len(read_rapid(program.text).moves) == len(program.samples)
 
 
+def test_how_the_arm_is_mounted_stands_in_the_head(model: irb.Model) -> None:
+    hung = model.robot.model_copy(update={"gravity_m_s2": (0.0, 0.0, 9.81)})
+    time, q = circle(model)
+    program = rapid_program(irb.Model(hung), time, q)
+    check_syntax(program)
+    assert "! The arm hangs or leans: all places are in its base frame" in program.text
+    assert "hangs" not in rapid_program(model, time, q).text
+    assert np.allclose(read_rapid(program.text).joint_angles(model)[0], q[0], atol=1e-6)
+
+
 def test_save(model: irb.Model, tmp_path: Path) -> None:
     time, q = circle(model, 101)
     program = rapid_program(model, time, q)

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+import numpy as np
+
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.planners.programs.rapid import rapid_data as data
@@ -113,12 +115,19 @@ def _module(head: list[str], declarations: list[str], body: list[str]) -> str:
     return "\n".join([*head, *("  " + line for line in declarations), *body, "ENDMODULE", ""])
 
 
+_LEANING = (
+    "  ! The arm hangs or leans: all places are in its base frame, as if that were",
+    "  ! the world's; which way gravity pulls, the controller has to know itself.",
+)
+
+
 def _head(name: str, robot: Robot) -> list[str]:
-    """The first lines; how axis 3 counts is the arm's own."""
+    """The first lines; how axis 3 counts is the arm's own, and how it is mounted."""
     rod = robot.n > 2 and robot.A[2, 1] != 0
     counts = "counts from the vertical (parallel rod)" if rod else "counts from the upper arm"
     return [
         f"MODULE {name}",
         "  ! Written from a plan. Run it slowly and without the work-piece first.",
         f"  ! Base frame = world frame; axis 3 {counts}.",
+        *([] if np.array_equal(robot.upright, np.eye(3)) else _LEANING),
     ]

@@ -266,6 +266,11 @@ def _rows(
     if X_BW is not None:
         X_WT = np.linalg.inv(data.check_pose("work object", X_BW)) @ X_WT
     speeds = speeds_between(time, X_PT)
+    # a change of the tool moves the tip, but not the arm
+    for row in np.flatnonzero(np.diff(tool)):
+        X = models[tool[row + 1]].tcp_pose(q[row : row + 2])
+        X = X if part is None else part.axes.seen(part.padded(ends)[row : row + 2], X)
+        speeds[row] = speeds_between(time[row : row + 2], X)[0]
     if part is not None:
         speeds = np.column_stack([speeds, part.speeds(time, ends)])
     flags_of = (rest, crossing, joints, standing)
