@@ -9,6 +9,7 @@ from irb2400_ctrl import Model, load_robot
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.planners import Plan, builders, plan_path
 from irb2400_ctrl.planners.enclosure import bernstein
+from irb2400_ctrl.planners.enclosure.path_dynamics import PathDynamics
 from irb2400_ctrl.planners.timing.feed_use import HELD
 from irb2400_ctrl.planners.timing.motion_limits import linear_bounds
 
@@ -105,3 +106,10 @@ def test_a_bound_that_is_linear_in_the_cells_keeps_the_feed_and_wastes_little() 
     raised = bernstein.product(even, np.ones((1, 4, 1)))
     ends = linear_bounds(raised)
     assert np.allclose(ends[:, 0], [1.0, 1 / 1.21], rtol=0.02)
+
+
+def test_the_axes_of_a_cell_have_their_names() -> None:
+    seventh = PathDynamics(MODEL, 3, (0.0, 1.0, 0.0))
+    names = [seventh.axis(j) for j in (5, 6, 7, 8)]
+    assert names == ["axis 6", *(f"external axis {name}" for name in ("rail", "tilt", "turn"))]
+    assert PathDynamics(MODEL, 2).axis(7) == "external axis turn"

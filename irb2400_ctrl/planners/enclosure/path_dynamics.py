@@ -21,6 +21,7 @@ import casadi as ca
 import numpy as np
 
 from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.cell.external_axes import axis_names
 from irb2400_ctrl.codegen import CompiledFunction, compile_function
 from irb2400_ctrl.effects import Effect
 from irb2400_ctrl.model import Model
@@ -69,7 +70,9 @@ class PathDynamics:
     def axis(self, j: int) -> str:
         """What column j of a path is called in messages."""
         n = self.model.robot.n
-        return f"axis {j + 1}" if j < n else f"external axis {j - n + 1}"
+        if j < n:
+            return f"axis {j + 1}"
+        return f"external axis {axis_names(self.external, len(self.lengths))[j - n]}"
 
     @cached_property
     def friction(self) -> Array:
