@@ -12,6 +12,7 @@ from irb2400_ctrl.planners.enclosure import bernstein
 from irb2400_ctrl.planners.enclosure.path_dynamics import PathDynamics
 from irb2400_ctrl.planners.timing.feed_use import HELD
 from irb2400_ctrl.planners.timing.motion_limits import linear_bounds
+from irb2400_ctrl.planners.timing.sampled_timing import guarantee_note
 
 ROBOT = load_robot("irb2400")
 MODEL = Model(ROBOT)
@@ -113,3 +114,10 @@ def test_the_axes_of_a_cell_have_their_names() -> None:
     names = [seventh.axis(j) for j in (5, 6, 7, 8)]
     assert names == ["axis 6", *(f"external axis {name}" for name in ("rail", "tilt", "turn"))]
     assert PathDynamics(MODEL, 2).axis(7) == "external axis turn"
+
+
+def test_what_is_not_guaranteed_says_what_to_try() -> None:
+    dynamics = PathDynamics(MODEL)
+    assert guarantee_note(dynamics, certified=True, holds=True) == ""
+    # an option of the command, too, which has none for the cells
+    assert "--tolerance-mm" in guarantee_note(dynamics, certified=True, holds=False)

@@ -72,7 +72,12 @@ def guarantee_note(dynamics: PathDynamics, certified: bool, holds: bool) -> str:
         )
     if dynamics.irregular:
         return "; ".join(_without_bound(effect) for effect in dynamics.irregular)
-    return "" if holds else "the check of the bound failed; plan with more cells"
+    if holds:
+        return ""
+    return (
+        "the check of the bound failed; plan with another tolerance (--tolerance-mm) or a lower "
+        "feed, or in Python with more cells (cells=)"
+    )
 
 
 def _without_bound(effect: Effect) -> str:
