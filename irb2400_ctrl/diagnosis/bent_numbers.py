@@ -1,8 +1,8 @@
 """Numbers of a robot beside something that acts on the whole arm and has no name.
 
-Flexible laws of most joints and the robot's numbers trade torque with each other: the numbers are
-fitted as if what has no name were noise, so that the file explains the log no worse than before,
-and of those that the file states none is said to be another one.
+Flexible laws of most joints and the robot's numbers trade torque with each other, and without the
+former the latter explain a log worse than before. They are fitted as if what has no name were
+noise, and of those that the file states none is said to be another one.
 """
 
 from __future__ import annotations

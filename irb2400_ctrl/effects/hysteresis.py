@@ -45,7 +45,7 @@ class Hysteresis(Effect):
 
     @property
     def unlikely(self) -> bool:
-        # beyond that it is a change of the dry friction
+        # beyond that it is a change of the dry friction; of many sliders most may turn over at once
         return not -2.5 < self.replaced_Nm / max(self.amplitude_Nm, 1e-9) < 1.5
 
     def state_rate(self, s: Signals) -> ca.SX:

@@ -225,11 +225,11 @@ def test_what_the_base_need_not_hide_any_longer_is_as_large_as_its_own_torque() 
     deviations, because a springy axis 5 that shakes axis 1 might have left as much evidence."""
     earlier = candidate((0.0, 8.0, 0.0), gain=900.0, kind="elastic_joint")
 
-    def beside(size: float, relieved: bool, **given: Any) -> bool:
+    def beside(size: float, relieved: bool, added: float = 0.0, **given: Any) -> bool:
         return accepts(
             candidate((0.0, size, 0.0), **given),
             earlier,
-            added=lambda one: np.zeros(3),
+            added=lambda one: np.array([0.0, added, 0.0]),
             relieves_base=lambda one: relieved,
         )
 
@@ -237,7 +237,8 @@ def test_what_the_base_need_not_hide_any_longer_is_as_large_as_its_own_torque() 
     assert not beside(4.1, False)
     assert not beside(3.9, True)
     # flexible laws have taken in whatever the base could hide
-    assert not beside(4.1, True, known=False)
+    assert not beside(4.1, True, added=3.9, known=False)
+    assert beside(4.1, True, added=4.1, known=False)
 
 
 def test_a_law_without_a_name_is_new_by_its_size_alone() -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 from types import SimpleNamespace
 from typing import Any
 
@@ -19,6 +20,7 @@ from irb2400_ctrl.diagnosis.comparison.step import of_the_whole_arm
 from irb2400_ctrl.diagnosis.estimation.candidate import Candidate
 from irb2400_ctrl.diagnosis.estimation.evidence import Score
 from irb2400_ctrl.diagnosis.estimation.fit import Fit
+from irb2400_ctrl.diagnosis.numbers import Number
 from irb2400_ctrl.diagnosis.preparation.noise import NoiseModel
 from irb2400_ctrl.diagnosis.regressors.bases import RegressorColumns
 from irb2400_ctrl.measurement import Log
@@ -57,16 +59,24 @@ def test_a_candidate_relieves_a_base_that_had_been_bent_to_hide_it(
 
 
 @pytest.mark.parametrize(
-    ("joints", "whole"), [((1, 2, 3, 4), True), ((1, 2, 3), False), ((1, 1, 2, 3), False)]
+    ("joints", "n", "whole"),
+    [
+        ((1, 2, 3, 4), 6, True),
+        ((1, 2, 3), 6, False),
+        ((1, 1, 2, 3), 6, False),
+        ((1, 2), 2, True),
+        # one joint is no whole arm
+        ((1,), 1, False),
+    ],
 )
 def test_what_has_no_name_on_most_joints_is_of_the_whole_arm(
-    joints: tuple[int, ...], whole: bool
+    joints: tuple[int, ...], n: int, whole: bool
 ) -> None:
     steps: list[Any] = [
         SimpleNamespace(candidate=SimpleNamespace(joint=joint, known=False)) for joint in joints
     ]
     name: Any = SimpleNamespace(candidate=SimpleNamespace(joint=6, known=True))
-    assert of_the_whole_arm([*steps, name], 6) == whole
+    assert of_the_whole_arm([*steps, name], n) == whole
 
 
 def test_the_file_takes_the_numbers_that_the_names_alone_leave() -> None:
@@ -85,11 +95,17 @@ def test_the_file_takes_the_numbers_that_the_names_alone_leave() -> None:
     assert widened == [0.25]
 
 
-def test_a_liquid_that_shakes_all_joints_changes_no_number_of_the_robot() -> None:
+def test_a_liquid_that_shakes_all_joints_changes_no_number_of_the_robot(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     """Twenty-three numbers were told, moved by up to 34 standard deviations, and the file left
     17.8 Nm on axis 2 where it had left 4.3."""
+    moved = Number("special", "tool", "load_kg", 0.0, 3.0, 0.1, 9.0)
+    lacking = Number("lacks", "joint 1", "coulomb_Nm", None, 3.0, 0.1, 9.0)
+    module = importlib.import_module("irb2400_ctrl.diagnosis.diagnose")
+    monkeypatch.setattr(module, "moved_as_by_a_load", lambda *given: (moved, lacking))
     found = of_third_plant(20261802, "outside", 10)
-    assert (found.verdict, names(found), found.numbers) == ("unexplained", [], ())
+    assert (found.verdict, names(found), found.numbers) == ("unexplained", [], (lacking,))
     assert len(found.unexplained) > 3
     assert any("no name is on most joints" in one for one in found.weak)
     compared = found.identification

@@ -264,8 +264,8 @@ def test_each_explanation_is_judged_again_beside_the_others(
 def test_the_search_ends_after_as_many_steps_and_refusals_as_the_criteria_say(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    def ended(borne_out: bool) -> tuple[int, int]:
-        kinds = iter(range(99))
+    def ended(borne_out: bool, known: bool = True) -> tuple[int, int]:
+        kinds = iter(range(1, 99))
         selection = bare(
             fitter=fitter_of(),
             acceptance=SimpleNamespace(
@@ -277,7 +277,9 @@ def test_the_search_ends_after_as_many_steps_and_refusals_as_the_criteria_say(
         monkeypatch.setattr(
             Selection,
             "next_step",
-            lambda self, ground, alone=False: Step(explanation(f"k{next(kinds)}"), 30.0, ()),
+            lambda self, ground, alone=False: Step(
+                explanation(f"k{(k := next(kinds))}", k, known), 30.0, ()
+            ),
         )
         exchanged: list[int] = []
         monkeypatch.setattr(
@@ -291,4 +293,6 @@ def test_the_search_ends_after_as_many_steps_and_refusals_as_the_criteria_say(
         return len(steps), len(selection.refused)
 
     assert ended(borne_out=True) == (8, 0)
+    # once what has no name is on two of three joints it is of the whole arm
+    assert ended(borne_out=True, known=False) == (2, 0)
     assert ended(borne_out=False) == (0, 4)

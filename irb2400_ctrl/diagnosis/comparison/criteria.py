@@ -113,7 +113,7 @@ class Threshold:
         candidate = alternative.candidate
         if of_one_moment(candidate, comparison.chosen):
             return False
-        size = np.sqrt(np.mean(candidate.torque(self.n) ** 2, axis=0))
+        size = self._size(candidate)
         if (size > self.largest).any():
             return False  # a torque that something else must cancel again
         if alternative.rattles:
@@ -124,6 +124,10 @@ class Threshold:
         if comparison.chosen and matters.any():
             matters &= self._new(comparison, candidate)
         return bool(matters.any()) and not self._once(comparison, candidate)
+
+    def _size(self, candidate: Candidate) -> Array:
+        """Rms torque on each joint, shape (n,) [Nm]."""
+        return np.asarray(np.sqrt(np.mean(candidate.torque(self.n) ** 2, axis=0)))
 
     def _shows_moving(self, comparison: Comparison, alternative: Alternative) -> bool:
         """Whether rows away from reversals show it too, where they must, and as large: a misfit of
@@ -143,7 +147,7 @@ class Threshold:
         """Joints on which it is large enough, shape (n,)."""
         c = self.criteria
         candidate = alternative.candidate
-        size = np.sqrt(np.mean(candidate.torque(self.n) ** 2, axis=0))
+        size = self._size(candidate)
         # by discrepancy from its law alone, which the base takes in: a good size speaks for it
         least = (
             c.torque
@@ -211,17 +215,17 @@ class Threshold:
             if candidate.known
             else added > np.sqrt(c.energy * comparison.energy)
         )
-        size = np.sqrt(np.mean(candidate.torque(self.n) ** 2, axis=0))
-        size *= candidate.known and comparison.relieves_base(candidate)
+        relieves = candidate.known and comparison.relieves_base(candidate)
+        hidden = self._size(candidate) if relieves else np.zeros(self.n)
         for earlier in comparison.chosen:
-            torque = earlier.torque(self.n)
             share = earlier.discrepancy_share
             # the swing of one transmission moves its neighbours' links too, a force that comes and
             # goes has no step's edges: there only the evidence speaks
             same = bool(candidate.devices & earlier.devices) or _once_more(candidate, earlier)
-            may_leave = share * np.sqrt(np.mean(torque**2, axis=0))
-            # what the base has hidden of it and hides no more is its torque itself
-            more = np.full(self.n, not same) & ((added > may_leave) | (size > may_leave))
+            # what the base has hidden and hides no more is new as a whole
+            more = np.full(self.n, not same) & (
+                np.maximum(added, hidden) > share * self._size(earlier)
+            )
             # a flexible law has taken in whatever the base could hide there
             if candidate.known and earlier.known:
                 more |= candidate.score.gain > (

@@ -63,6 +63,6 @@ def _same(one: Candidate, other: Candidate) -> bool:
 
 
 def of_the_whole_arm(steps: Sequence[Step], n: int) -> bool:
-    """Whether what has no name is on more than half of n joints: something acts on the whole arm,
-    and the robot's numbers bend with it."""
-    return 2 * len({s.candidate.joint for s in steps if not s.candidate.known}) > n
+    """Whether what has no name is on more than half of n joints, and on more than one: something
+    acts on the whole arm, and the robot's numbers bend with it."""
+    return 2 * len({s.candidate.joint for s in steps if not s.candidate.known}) > max(n, 2)
