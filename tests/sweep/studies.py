@@ -86,6 +86,7 @@ def traced(study: Study, index: int) -> CaseOutcome:
 def dies_once(study: Study, index: int) -> CaseOutcome:
     """Case 5 takes its worker down the first time."""
     if mark(index) == 1 and index == 5:
+        time.sleep(0.5)  # what this worker has finished is told by then, on a busy machine as well
         os.kill(os.getpid(), getattr(signal, "SIGKILL", signal.SIGTERM))
     time.sleep(0.02)
     return quick(study, index)
