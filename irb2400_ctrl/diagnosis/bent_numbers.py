@@ -10,8 +10,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
+import numpy as np
+
 from irb2400_ctrl.diagnosis.comparison.step import Step
 from irb2400_ctrl.diagnosis.estimation.fit import Fit, Fitter
+from irb2400_ctrl.diagnosis.estimation.posterior import posterior
 
 BENT = (
     "what has no name is on most joints and bends the robot's numbers: none is told, and those of "
@@ -22,7 +25,7 @@ BENT = (
 
 def beside_noise(fitter: Fitter, steps: Sequence[Step], fit: Fit) -> Fit:
     """The fit, with the robot's numbers as they are where what has no name is noise, no further
-    off than stated.
+    off than stated, and what has no name as what these numbers leave of it.
 
     Args:
         fitter: of the log.
@@ -31,4 +34,15 @@ def beside_noise(fitter: Fitter, steps: Sequence[Step], fit: Fit) -> Fit:
     """
     fitter.widen(1.0 / fitter.widened)
     named = fitter.fit([s.candidate for s in steps if s.candidate.known])
-    return replace(fit, z=named.z, z_covariance=named.z_covariance)
+    laws = range(len(fit.effects), len(fit.effects) + len(fit.non_parametric))
+    columns = [fit.Z[:, :, fit.owner == law] for law in laws]
+    b, _ = posterior(named.residual, np.concatenate(columns, axis=2), named.noise)
+    parts = np.split(b, np.cumsum([one.shape[2] for one in columns])[:-1])
+    torques = tuple(one @ part for one, part in zip(columns, parts, strict=True))
+    return replace(
+        fit,
+        z=named.z,
+        z_covariance=named.z_covariance,
+        non_parametric=torques,
+        residual=named.residual - sum(torques),
+    )

@@ -128,12 +128,14 @@ def unexplained_of(
         residual = fit.residual[:, joint - 1]
         first = max(parts, key=lambda part: part[0].gain)[0]
         candidate: Candidate = first.candidate
+        # on the rows that count for the errors: where friction turns over a law says anything
+        counts = motion.at_rows(motion.known[:, joint - 1].astype(float))
         signal = candidate.depends_on[0] if candidate.depends_on[0] in UNITS else "time"
         found.append(
             Unexplained(
                 joint=joint,
                 depends_on=candidate.depends_on,
-                rmse=float(np.sqrt(np.mean(torque**2))),
+                rmse=float(np.sqrt(counts @ torque**2 / max(counts.sum(), 1.0))),
                 confidence=confidence(first),
                 description=candidate.name,
                 curve=binned_curve(motion, load, joint - 1, signal, torque, residual),
