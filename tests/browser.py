@@ -62,12 +62,6 @@ def answer(page: Path, script: str, *flags: str, width: int = 1100) -> Any:
     return json.loads(found[1].replace("&lt;", "<").replace("&gt;", ">").replace("&amp;", "&"))
 
 
-def picture(page: Path, out: Path, width: int, height: int, *flags: str) -> Path:
-    """A screenshot."""
-    _run(page, f"--screenshot={out}", f"--window-size={width},{height}", *flags)
-    return out
-
-
 def arm_moves(page: Path) -> bool:
     """Whether the arm of a page, which says nothing to the console, has its tip elsewhere later."""
     script = (

@@ -53,7 +53,7 @@ class Names:
 
 def name_nodes(graph: Graph, block: Block) -> Names:
     """Names for the operations of a block's step."""
-    wanted = [*_results(graph, block), *_quantities(graph, block), *_turns(graph, block)]
+    wanted = [*_results(graph, block), *_quantities(graph, block), *_turns(graph)]
     taken = set(_C_NAMES)
     named: dict[int, tuple[str, Field | None]] = {}
     for index, name, field in wanted:
@@ -158,7 +158,7 @@ def _opposite(node: Node, keys: list[int], known: _Known) -> int | None:
     return known.get((ca.OP_SUB, tuple(args[::-1]), repr(node.value))) if args else None
 
 
-def _turns(graph: Graph, block: Block) -> Iterator[tuple[int, str, None]]:
+def _turns(graph: Graph) -> Iterator[tuple[int, str, None]]:
     """Sines and cosines of one input, by its number."""
     leaves: list[frozenset[tuple[int, ...]]] = []
     for index, node in enumerate(graph.nodes):

@@ -23,7 +23,6 @@ class Margins:
         delay: further dead time the loop survives [s].
         crossover: highest angular frequency with |L| = 1 [rad/s].
         sensitivity: peak of |1 / (1 + L)| [-].
-        complementary: peak of |L / (1 + L)| [-].
     """
 
     gain_up: float
@@ -32,7 +31,6 @@ class Margins:
     delay: float
     crossover: float
     sensitivity: float
-    complementary: float
 
     def __str__(self) -> str:
         return (
@@ -47,7 +45,6 @@ def margins(omega: Array, L: Response) -> Margins:
     """Margins of the loop whose response at the angular frequencies `omega` [rad/s] is L, both
     shape (k,)."""
     magnitude = np.abs(L)
-    S = 1.0 / (1.0 + L)
     level = np.log(magnitude)
     cross = np.flatnonzero(np.diff(np.sign(level)) != 0)
     share = level[cross] / (level[cross] - level[cross + 1])
@@ -67,8 +64,7 @@ def margins(omega: Array, L: Response) -> Margins:
         phase=float(np.abs(angle).min(initial=np.pi)),
         delay=float((np.mod(angle, 2 * np.pi) / w).min(initial=np.inf)),
         crossover=float(w.max(initial=0.0)),
-        sensitivity=float(np.abs(S).max()),
-        complementary=float(np.abs(L * S).max()),
+        sensitivity=float(np.abs(1.0 / (1.0 + L)).max()),
     )
 
 

@@ -12,25 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 BELL_ERROR = 2.5e-3
-"""largest distance of `bell` from the exponential, as a share of its height"""
+"""largest distance of `faded_bell`'s bell from the exponential, as a share of its height"""
 # minimax over all speeds, with the value at rest held
 _RAISE = 1.75284075
 _WIDEN = 0.33632957
-
-
-def bell(speed: ca.SX, width: NDArray[np.float64], height: NDArray[np.float64]) -> ca.SX:
-    """height exp(-x^2), x = speed / width, as height ((b + 1) / (b + (1 + a x^2)^2))^4: no
-    exponential, no branch.
-
-    Within `BELL_ERROR` everywhere. Like the exponential it is `height` at rest, falls, and never
-    changes its sign; not a number in, not a number out.
-
-    Args:
-        speed: [rad/s], shape (n,).
-        width: speed at which it has fallen to 1/e [rad/s], shape (n,).
-        height: at rest, in the unit of the result, shape (n,).
-    """
-    return ca.DM(np.sign(height)) / _fall(speed, width, height)
 
 
 def faded_bell(
@@ -40,11 +25,15 @@ def faded_bell(
     reference: ca.SX,
     fade_width: ca.SX,
 ) -> ca.SX:
-    """bell(speed) fade(reference) with one division for both; width and height may be symbols.
+    """height exp(-x^2) fade(reference), x = speed / width, with one division for both and the bell
+    as height ((b + 1) / (b + (1 + a x^2)^2))^4: no exponential, no branch.
+
+    The bell is within `BELL_ERROR` everywhere. Like the exponential it is `height` at rest, falls,
+    and never changes its sign; not a number in, not a number out. Width and height may be symbols.
 
     Args:
         speed: [rad/s], shape (n,).
-        width: [rad/s], shape (n,).
+        width: speed at which it has fallen to 1/e [rad/s], shape (n,).
         height: at rest, in the unit of the result, shape (n,).
         reference: speed of the reference [rad/s], shape (n,).
         fade_width: speed of the reference within which it is faded [rad/s].

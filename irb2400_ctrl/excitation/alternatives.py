@@ -45,10 +45,9 @@ FRICTION_TERMS = {"coulomb": 0, "viscous": 1, "static": 2}
 
 @dataclass(frozen=True)
 class LookalikeColumns:
-    """LookalikeColumns of a rival with one set of nonlinear parameters: place among all, and prior
+    """Columns of a rival with one set of nonlinear parameters: where among all, and the prior
     precisions (0: free)."""
 
-    place: Place
     part: slice
     precision: Array
 
@@ -179,7 +178,6 @@ class Alternatives:
                 law_precision = 1.0 / np.array(expected)[:, 1] ** 2 if expected else np.zeros(k)
                 found.append(
                     LookalikeColumns(
-                        place,
                         slice(start, start + k + d),
                         np.concatenate([law_precision, np.ones(d)]),
                     )

@@ -42,13 +42,12 @@ class FrictionRuns:
     Args:
         course: rows at 250 Hz, from rest to rest; tau: torque of the model along it, (m, n) [Nm];
             extent: how near to the limits it goes.
-        centres: posture about which each joint runs, (n, n) [rad]; speeds: of each, (k,) [rad/s].
+        speeds: of each joint, (k,) [rad/s].
     """
 
     course: Trajectory
     tau: Array
     extent: Extent
-    centres: Array
     speeds: tuple[Array, ...]
 
 
@@ -90,7 +89,6 @@ def friction_runs(workshop: Workshop, count: int = SPEEDS, seed: int = 0) -> Fri
     robot = workshop.robot
     rng = np.random.default_rng([seed, 74])
     parts: list[Array] = []
-    centres = []
     speeds = []
     for j in range(robot.n):
         fastest = min(0.5, SHARE_OF_SPEED * float(robot.qd_max[j]))
@@ -104,7 +102,6 @@ def friction_runs(workshop: Workshop, count: int = SPEEDS, seed: int = 0) -> Fri
             move = joint_move(workshop.transfers, parts[-1][-1, 0], centre, rate=RATE)
             parts.append(np.stack([move.q, move.qd, move.qdd], axis=1)[1:])
         parts.append(states if not parts else states[1:])
-        centres.append(centre)
         speeds.append(own)
     q, qd, qdd = np.concatenate(parts).transpose(1, 0, 2)
     course = resting(np.arange(len(q)) / RATE, q, qd, qdd)
@@ -113,7 +110,7 @@ def friction_runs(workshop: Workshop, count: int = SPEEDS, seed: int = 0) -> Fri
     found = extent(workshop.model, course.q, course.qd, course.qdd)
     if not found.inside:
         raise InfeasibleError(f"{robot.name}: slow runs {found.wrong()}")
-    return FrictionRuns(course, tau, found, np.array(centres), tuple(speeds))
+    return FrictionRuns(course, tau, found, tuple(speeds))
 
 
 def _way(speed: float) -> float:

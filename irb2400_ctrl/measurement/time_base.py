@@ -66,7 +66,6 @@ class TimeBase:
         scatter: rms of the stamps about the even instants [s].
         lost: share of the even instants without a sample.
         slope: 0 when the sampling was even and the stamps scatter, 1 when the stamps are right.
-        slope_error: its standard error; infinite when the motion does not tell.
         rebuilt: whether `time` are the even instants instead of the stamps.
     """
 
@@ -75,7 +74,6 @@ class TimeBase:
     scatter: float
     lost: float
     slope: float = 0.0
-    slope_error: float = np.inf
     rebuilt: bool = False
 
 
@@ -110,7 +108,7 @@ def time_base(log: Log) -> TimeBase:
     told = error < SURE and abs(slope) < DECIDED + 2.0 * error
     rebuilt = scatter > EVEN and told and rough < SMOOTHER
     time = even if rebuilt else stamps
-    return TimeBase(time, step, scatter, _lost(even, step), slope, error, rebuilt)
+    return TimeBase(time, step, scatter, _lost(even, step), slope, rebuilt)
 
 
 def _lost(even: Array, step: float) -> float:

@@ -153,11 +153,6 @@ class LowPass:
         """Half length in samples: outputs nearer than this to a gap or an end are not complete."""
         return int(np.ceil(1.3 / (self.cutoff * self.step)))
 
-    @property
-    def out_step(self) -> float:
-        """Step of the output [s]."""
-        return self.keep * self.step
-
     @cached_property
     def weights(self) -> Array:
         """The (symmetric) impulse response, shape (2 half + 1,)."""

@@ -23,7 +23,6 @@ class Acceleration:
     """qdd with tau = inverse dynamics(q, qd, qdd)."""
 
     signals: ArmSignals
-    tau: ca.SX
     required: ca.SX
     """inverse dynamics as an expression in the signals, shape (n,) [Nm]"""
     slope: ca.SX
@@ -60,7 +59,7 @@ class Acceleration:
         for _ in range(NEWTON_STEPS if bent else 1):
             residual = tau - rest - dry - s.mass_matrix @ qdd - ca.substitute(effects, s.qdd, qdd)
             qdd = qdd + _solve(ca.substitute(slope, s.qdd, qdd), residual, symmetric)
-        return cls(s, tau, s.load + dry + effects, ca.substitute(slope, s.qdd, qdd), symmetric, qdd)
+        return cls(s, s.load + dry + effects, ca.substitute(slope, s.qdd, qdd), symmetric, qdd)
 
     def derivatives(self) -> dict[str, ca.SX]:
         """By the implicit function theorem: dqdd/dx = -slope^-1 d required/dx, dqdd/dtau =

@@ -45,11 +45,6 @@ class BodyReport:
         return ROUNDING * max(abs(m) for m in self.principal_moments)
 
     @property
-    def positive_definite(self) -> bool:
-        """All principal moments above zero."""
-        return self.principal_moments[0] > 0.0
-
-    @property
     def consistent(self) -> bool:
         """A distribution of mass with these moments exists."""
         return self.mass >= 0.0 and self.pseudo_inertia >= -self.tolerance

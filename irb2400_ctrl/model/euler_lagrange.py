@@ -96,18 +96,6 @@ def gravity(robot: Robot, q: ca.SX) -> ca.SX:
     return ca.gradient(potential(robot, q), q)
 
 
-def inverse_dynamics(robot: Robot, q: ca.SX, qd: ca.SX, qdd: ca.SX) -> ca.SX:
-    """M qdd + C qd + G (eqs. 49, 56 without friction), shape (n,) [Nm].
-
-    Args:
-        robot: the arm, tool in its last link.
-        q: angles of the axes [rad], shape (n,), symbols.
-        qd: their speeds [rad/s], shape (n,), symbols.
-        qdd: their accelerations [rad/s2], shape (n,), symbols.
-    """
-    return mass_matrix(robot, q) @ qdd + coriolis(robot, q, qd) @ qd + gravity(robot, q)
-
-
 def _bodies(robot: Robot, q: ca.SX) -> list[tuple[int, float, np.ndarray, np.ndarray, ca.SX]]:
     """(link number, mass, centre of mass, tensor about it, pose) of every body; the tool rides on
     the flange."""

@@ -8,11 +8,6 @@ from irb2400_ctrl.model.chain import cos_sin
 from irb2400_ctrl.robot import Robot
 
 
-def link_angles(robot: Robot, q: ca.SX) -> ca.SX:
-    """theta = A q + offset [rad], shape (n,) (last column of Tab. 2; theta3 = q3 - q2)."""
-    return ca.DM(robot.A) @ q + ca.DM(robot.offset)
-
-
 def rotation_z(c: ca.SX, s: ca.SX) -> ca.SX:
     """Rotation about z from cosine and sine, shape (3, 3)."""
     return ca.vertcat(ca.horzcat(c, -s, 0), ca.horzcat(s, c, 0), ca.horzcat(0, 0, 1))

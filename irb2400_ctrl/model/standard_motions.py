@@ -34,8 +34,6 @@ class TorqueDifference:
     motion: str
     largest: Array
     rms: Array
-    rms_of_torque: Array
-    """of the first robot's rigid-body torque, for comparison"""
 
 
 def standard_motions(robot: Robot) -> list[StandardMotion]:
@@ -70,7 +68,7 @@ def torque_differences(robot: Robot, other: Robot) -> list[TorqueDifference]:
         tau = first.inverse_dynamics(motion.q, motion.qd, motion.qdd, friction=False)
         difference = second.inverse_dynamics(motion.q, motion.qd, motion.qdd, friction=False) - tau
         largest = np.abs(difference).max(axis=0)
-        found.append(TorqueDifference(motion.name, largest, _rms(difference), _rms(tau)))
+        found.append(TorqueDifference(motion.name, largest, _rms(difference)))
     return found
 
 

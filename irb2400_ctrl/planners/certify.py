@@ -89,7 +89,7 @@ def certify(
         velocity_ratio=joints.velocity_ratio,
         acceleration_ratio=joints.acceleration_ratio,
         feed_ratio=settled.feed_ratio,
-        deviation=_deviation(dynamics, orientation, timed, settled),
+        deviation=_deviation(orientation, timed, settled),
         singularity_margin=singularity_margins(dynamics.model, path.followed),
         external=joints.external,
     )
@@ -117,9 +117,7 @@ def certify_joints(
     )
 
 
-def _deviation(
-    dynamics: PathDynamics, orientation: Orientation, timed: TimedChoice, settled: Settled
-) -> Deviation:
+def _deviation(orientation: Orientation, timed: TimedChoice, settled: Settled) -> Deviation:
     """How far the joints are off where the rows say they are."""
     followed = timed.path.followed
     read = followed_as_read(timed, settled)

@@ -8,7 +8,7 @@ import pytest
 from simulation.arms import START, arm
 
 from irb2400_ctrl.controllers import controller
-from irb2400_ctrl.controllers.stribeck import BELL_ERROR, bell, fade
+from irb2400_ctrl.controllers.stribeck import BELL_ERROR, fade, faded_bell
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.model.friction import FrictionLaw
 
@@ -17,7 +17,9 @@ WIDTH = np.array([0.01])
 
 
 def bell_at(x: np.ndarray, height: float = 1.0) -> np.ndarray:
-    fn = ca.Function("bell", [X], [bell(X, WIDTH, np.array([height]))])
+    """The bell beside a reference that moves, so that nothing fades."""
+    bell = faded_bell(X, WIDTH, np.array([height]), ca.SX(1.0), ca.SX(0.0))
+    fn = ca.Function("bell", [X], [bell])
     return np.asarray(fn(x.reshape(1, -1))).ravel()
 
 

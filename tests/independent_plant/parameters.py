@@ -37,7 +37,6 @@ LINKS = np.array(
     ]
 )
 LINKS[:, 1:4] /= 1e3
-CARRIED_BY = [0, 1, 2, 3, 4, 5, 5]
 # Fs [Nm], Fc [Nm], Fv [Nm s/rad], Stribeck speed [rad/s]
 FRICTION = np.array(
     [

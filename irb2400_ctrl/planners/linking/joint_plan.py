@@ -19,7 +19,6 @@ from irb2400_ctrl.planners.plan_report import law_rows
 from irb2400_ctrl.planners.redundancy.follow import Followed
 from irb2400_ctrl.planners.timing.certificate import Certificate
 from irb2400_ctrl.planners.timing.infeasible_point import InfeasiblePointError
-from irb2400_ctrl.planners.timing.rate_limited.rate_summary import rate_summary
 from irb2400_ctrl.planners.timing.rate_limited.time_rate_limited import time_rate_limited
 from irb2400_ctrl.planners.timing.sampled_reference import SampledReference
 from irb2400_ctrl.planners.timing.sampled_reference.interpolation import Interpolation
@@ -56,8 +55,7 @@ class JointPlan:
     lowest: float
     """height of the TCP over the clearance plane, a lower bound over all times [m]"""
     clearance: dict[str, Any] = field(default_factory=lambda: unknown("not asked for"))
-    rates: dict[str, Any] = field(default_factory=dict)
-    """both as of a `Plan`"""
+    """as of a `Plan`"""
 
     @property
     def reference(self) -> SampledReference:
@@ -93,7 +91,7 @@ def plan_joints(
     knots = joints.knots
     followed = Followed(joints, np.arange(len(knots), dtype=float), 0.0, 0.0)
     task = TaskPath(followed, tcp, np.full(len(knots) - 1, np.inf))
-    law, rates = _timed(dynamics, task, timing)
+    law = _timed(dynamics, task, timing)
     settled = settled_law(dynamics, task, law, timing)
     bounds = certify_joints(dynamics, joints, settled, timing)
     trajectory, _ = law_rows(dynamics, settled.law, tcp, settled.reference)
@@ -111,7 +109,6 @@ def plan_joints(
         max_acceleration_ratio=bounds.acceleration_ratio,
         lowest=lowest(tcp, plane),
         clearance=_clearance(scene, tcp),
-        rates=rates,
     )
 
 
@@ -123,15 +120,13 @@ def _clearance(scene: Scene | None, tcp: TcpPath) -> dict[str, Any]:
     return found.summary(float(tcp.way(found.s)))
 
 
-def _timed(
-    dynamics: PathDynamics, task: TaskPath, timing: TimingOptions
-) -> tuple[TimeLaw, dict[str, Any]]:
+def _timed(dynamics: PathDynamics, task: TaskPath, timing: TimingOptions) -> TimeLaw:
     """The fastest law, with the limits of torque rate and jerk where there are any."""
     first = fastest(dynamics, task, timing).law
     if not timing.limits.smooth:
-        return first, {}
+        return first
     try:
-        law = time_rate_limited(
+        return time_rate_limited(
             dynamics,
             task.joints,
             timing.limits,
@@ -143,5 +138,4 @@ def _timed(
         if timing.rates_stated:
             raise
         # a torque that jumps by itself: the rows are slowed instead
-        return first, {}
-    return law, rate_summary(law, task.joints, timing.limits, dynamics, first)
+        return first

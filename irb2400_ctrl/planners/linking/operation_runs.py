@@ -225,8 +225,7 @@ class Split:
         found = cheapest_reentries(ladder, shifts, exits.cost, exits.free)
         if found is None:
             return []
-        places = found.stations or (len(u) // 2,)
-        return _cut(part, orientation, u, places)
+        return _cut(part, orientation, u, found or (len(u) // 2,))
 
 
 @dataclass(frozen=True)

@@ -33,21 +33,12 @@ FreeOf = Callable[[int], Array]
 """which nodes of a station can be left along the way out, shape (r, 8)"""
 
 
-@dataclass(frozen=True)
-class Reentries:
-    """The cheapest way through a ladder with re-entries."""
-
-    stations: tuple[int, ...]
-    """where the path is left and entered again"""
-    cost: float
-    """of the whole way [s]"""
-
-
 def cheapest_reentries(
     ladder: Ladder, shifts: tuple[int, ...], cost_of: CostOf, free_of: FreeOf
-) -> Reentries | None:
-    """The way with the fewest re-entries among a few levels of the margin; among equals that of
-    the largest margin. None where even re-entries lead nowhere."""
+) -> tuple[int, ...] | None:
+    """The stations where the path is left and entered again on the cheapest way with the fewest
+    re-entries among a few levels of the margin; among equals that of the largest margin. None
+    where even re-entries lead nowhere."""
     cost = functools.cache(lambda i: np.inf if i % _STRIDE else cost_of(i))
     free = functools.cache(free_of)
     for inset in (max(ladder.inset, _ROOM), ladder.inset):
@@ -57,7 +48,7 @@ def cheapest_reentries(
             continue
         for level in _LEVELS:
             found = _Sweep(roomy, shifts, level, cost, free).run()
-            if found is not None and len(found.stations) <= len(fewest.stations):
+            if found is not None and len(found) <= len(fewest):
                 return found
         return fewest
     return None
@@ -73,7 +64,7 @@ class _Sweep:
     cost_of: CostOf
     free_of: FreeOf
 
-    def run(self) -> Reentries | None:
+    def run(self) -> tuple[int, ...] | None:
         """Cost of the nodes from station to station; how they were reached is kept to trace it."""
         ladder = self.ladder
         moves = ladder.moves(self.shifts)
@@ -87,7 +78,7 @@ class _Sweep:
             entered.append(came)
             if not np.isfinite(value).any():
                 return None
-        return Reentries(self._traced(value, moved, entered), float(value.min()))
+        return self._traced(value, moved, entered)
 
     def _entered(self, i: int, value: Array) -> tuple[Array, Integers | None]:
         """The edges of a re-entry at station i, from the cheapest node of each branch to all."""

@@ -41,11 +41,6 @@ class PiecewiseConstantLaw(TimeLaw):
         """Largest sdot^2 in each cell, shape (m,)."""
         return np.maximum(self.x[:-1], self.x[1:])
 
-    @property
-    def above(self) -> Array:
-        """sdot^2 at both ends of each cell, between which it is linear, shape (2, m)."""
-        return np.stack([self.x[:-1], self.x[1:]])
-
     @cached_property
     def time(self) -> Array:
         """When the grid points are passed [s], shape (m + 1,)."""

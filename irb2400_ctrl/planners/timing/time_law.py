@@ -5,8 +5,6 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, fields
 
-import numpy as np
-
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.planners.enclosure.path_dynamics import PathDynamics
 from irb2400_ctrl.planners.joint_path import JointPath
@@ -41,12 +39,6 @@ class TimeLaw(ABC):
     @abstractmethod
     def largest(self) -> Array:
         """Upper bound of sdot^2 in each cell, shape (m,)."""
-
-    @property
-    def above(self) -> Array:
-        """Values at both ends of each cell that bound sdot^2 in it by their straight line, shape
-        (2, m)."""
-        return np.stack([self.largest, self.largest])
 
     @abstractmethod
     def on(self, s: Array) -> tuple[Array, Array]:

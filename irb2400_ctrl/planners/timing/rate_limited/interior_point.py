@@ -36,10 +36,6 @@ class Solution:
     """Where the iterations ended; always inside the limits of the program."""
 
     z: Array
-    duration: float
-    """[s]"""
-    gap: float
-    """estimate of how much longer than the optimum, as a part of the duration"""
     iterations: int
 
 
@@ -58,11 +54,9 @@ def solve(
     mu = barrier * point.duration / point.slack.size
     multipliers = mu / point.slack
     iterations = 0
-    complementarity = 0.0
     while iterations < _MOST:
-        complementarity = float(multipliers @ point.slack)
         first = point.linearised(multipliers, mu)
-        error = max(complementarity, first.stationarity(point.z))
+        error = max(float(multipliers @ point.slack), first.stationarity(point.z))
         if error <= gap * point.duration:
             break
         iterations += 1
@@ -82,7 +76,7 @@ def solve(
             multipliers, point.slack, relative, new.slack, mu, _to_boundary(dual), _SPREAD
         )
         point = new
-    return Solution(point.z, point.duration, complementarity / point.duration, iterations)
+    return Solution(point.z, iterations)
 
 
 def _to_boundary(steepest: float) -> float:

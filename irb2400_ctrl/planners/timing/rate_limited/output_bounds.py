@@ -48,11 +48,6 @@ class OutputRatios:
     speed: Array
     """|qd| / qd_max, shape (m, n)"""
 
-    @property
-    def worst(self) -> float:
-        """The largest of all, leaving out what could not be computed."""
-        return max(float(np.nanmax(ratio)) for ratio in (self.value, self.rate, self.speed))
-
     def to_cut(self, tight: bool) -> Mask:
         """Parts on which smaller ones may say more: where something is above a limit, and, to know
         the largest of each ratio well, where one is close to it; none at the ends of the motion."""
