@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
-from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.arrays import Array, is_pose
 from irb2400_ctrl.cell.external_axes import TABLE as AXES
 from irb2400_ctrl.cell.external_axes import ExternalAxes
 from irb2400_ctrl.errors import InputError
@@ -84,13 +84,7 @@ class Positioner(BaseModel):
     @model_validator(mode="after")
     def _poses(self) -> Self:
         for key in ("base", "work_piece"):
-            X = np.array(getattr(self, key))
-            R = X[:3, :3]
-            if (
-                np.abs(R @ R.T - np.eye(3)).max() > 1e-6
-                or np.linalg.det(R) < 0
-                or (X[3] != (0, 0, 0, 1)).any()
-            ):
+            if not is_pose(np.array(getattr(self, key))):
                 raise ValueError(f"{key} is not a pose: expected [[R, p], [0, 0, 0, 1]]")
         return self
 

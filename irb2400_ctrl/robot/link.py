@@ -7,7 +7,7 @@ from typing import Annotated, Self
 import numpy as np
 from pydantic import BeforeValidator, Field, model_validator
 
-from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.arrays import Array, is_pose
 from irb2400_ctrl.robot.table import NotNegative, Range, Table, Vector3
 
 Row4 = tuple[float, float, float, float]
@@ -53,13 +53,7 @@ class Transform(Table):
 
     @model_validator(mode="after")
     def _is_pose(self) -> Self:
-        X = np.array(self.transform)
-        R = X[:3, :3]
-        if (
-            np.abs(R @ R.T - np.eye(3)).max() > 1e-6
-            or np.linalg.det(R) < 0
-            or (X[3] != (0, 0, 0, 1)).any()
-        ):
+        if not is_pose(np.array(self.transform)):
             raise ValueError(
                 "not a pose: expected [[R, p], [0, 0, 0, 1]] with R a rotation (R R^T = 1, det R = "
                 "1)"

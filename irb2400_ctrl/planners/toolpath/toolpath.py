@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.arrays import Array, is_pose, rotations
 from irb2400_ctrl.errors import InputError
 
 FARTHEST = 1000.0
@@ -74,9 +74,7 @@ class ToolPath:
                 )
             object.__setattr__(self, "axis", self.axis / length[:, None])
         if self.rotation is not None:
-            R = self.rotation
-            wrong = np.abs(R @ R.transpose(0, 2, 1) - np.eye(3)).max(axis=(1, 2)) > 1e-6
-            wrong |= np.linalg.det(R) < 0
+            wrong = ~rotations(self.rotation)
             if wrong.any():
                 raise InputError(
                     f"{self.name}: the orientation of point {int(np.argmax(wrong)) + 1} is not a "
@@ -93,7 +91,7 @@ class ToolPath:
     def moved(self, X_BW: Array) -> ToolPath:
         """The same path stated in a work frame W, expressed in the base by X_BW (4, 4)."""
         X = np.asarray(X_BW, dtype=float)
-        if X.shape != (4, 4) or np.abs(X[:3, :3] @ X[:3, :3].T - np.eye(3)).max() > 1e-6:
+        if not is_pose(X):
             raise InputError("work frame: expected a pose [[R, p], [0, 0, 0, 1]] of shape (4, 4)")
         R = X[:3, :3]
         p = X[:3, 3]

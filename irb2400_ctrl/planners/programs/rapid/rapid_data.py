@@ -9,7 +9,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 import numpy.typing as npt
 
-from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.arrays import Array, is_pose
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.planners.programs.rapid.rapid_forms import name_fault
@@ -35,13 +35,7 @@ def check_name(what: str, name: str) -> None:
 def check_pose(what: str, X: npt.ArrayLike) -> Array:
     """X as a pose of shape (4, 4); InputError where it is none."""
     pose = np.asarray(X, dtype=float)
-    if (
-        pose.shape != (4, 4)
-        or not np.isfinite(pose).all()
-        or np.abs(pose[:3, :3] @ pose[:3, :3].T - np.eye(3)).max() > 1e-6
-        or np.linalg.det(pose[:3, :3]) < 0
-        or (pose[3] != (0, 0, 0, 1)).any()
-    ):
+    if not is_pose(pose):
         raise InputError(f"{what}: expected a pose [[R, p], [0, 0, 0, 1]] of shape (4, 4)")
     return pose
 
