@@ -24,8 +24,8 @@ from irb2400_ctrl.model import Model
 from irb2400_ctrl.planners.joint_move import joint_move
 from irb2400_ctrl.robot import Robot
 from irb2400_ctrl.trajectory import Trajectory
+from irb2400_ctrl.trajectory.trajectory import RATE
 
-RATE = 250.0
 LOOK = 100.0
 """[Hz] at which candidates are looked at; the whole motion is looked at densely in the end"""
 

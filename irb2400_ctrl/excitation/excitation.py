@@ -11,7 +11,6 @@ import numpy as np
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.excitation.alternatives import NOISE, SIZE
-from irb2400_ctrl.excitation.assemble import RATE
 from irb2400_ctrl.excitation.feasible import SHARE, Extent
 from irb2400_ctrl.excitation.groups import AmbiguityGroup
 from irb2400_ctrl.excitation.pair_separability import CLEAR, Separability
@@ -21,6 +20,7 @@ from irb2400_ctrl.planners.programs.rapid.rapid_options import RapidOptions
 from irb2400_ctrl.planners.programs.rapid.rapid_program import RapidProgram, rapid_program
 from irb2400_ctrl.robot import Robot
 from irb2400_ctrl.trajectory import Trajectory
+from irb2400_ctrl.trajectory.trajectory import RATE
 
 
 @dataclass(frozen=True)

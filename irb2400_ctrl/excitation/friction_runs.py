@@ -12,10 +12,11 @@ import numpy as np
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InfeasibleError
-from irb2400_ctrl.excitation.assemble import RATE, Workshop, resting
+from irb2400_ctrl.excitation.assemble import Workshop, resting
 from irb2400_ctrl.excitation.feasible import Extent, extent
 from irb2400_ctrl.planners.joint_move import joint_move
 from irb2400_ctrl.trajectory import Trajectory
+from irb2400_ctrl.trajectory.trajectory import RATE
 
 SPEEDS = 14
 """of each joint"""

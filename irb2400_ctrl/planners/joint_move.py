@@ -15,6 +15,7 @@ from irb2400_ctrl.model import Model
 from irb2400_ctrl.planners.joint_box import can_hold, inside_box, outside_box
 from irb2400_ctrl.robot import Robot
 from irb2400_ctrl.trajectory import Trajectory
+from irb2400_ctrl.trajectory.trajectory import RATE
 
 # time from zero to full acceleration where no jerk limit is given [s]: an assumption, nothing is
 # published
@@ -79,7 +80,7 @@ def joint_move(
     qdd_start: ArrayLike | None = None,
     qdd_max: ArrayLike | None = None,
     qddd_max: ArrayLike | None = None,
-    rate: float = 250.0,
+    rate: float = RATE,
 ) -> JointMove:
     """The fastest jerk-limited move found from the start state to rest at the target, inside the
     torque limits.

@@ -41,9 +41,11 @@ from irb2400_ctrl.planners.timing.time_choices import (
 )
 from irb2400_ctrl.planners.timing.timing_options import Backend, TimingOptions
 from irb2400_ctrl.planners.toolpath.orientation import Orientation
+from irb2400_ctrl.planners.toolpath.task_curve import TOLERANCE
 from irb2400_ctrl.planners.toolpath.toolpath import ToolPath
 from irb2400_ctrl.robot import Robot
 from irb2400_ctrl.robot.given import check_robot
+from irb2400_ctrl.trajectory.trajectory import RATE
 
 Ways = Callable[[Model, Orientation, Scene | None], Iterable[Choice]]
 """the joint paths that are compared for a tool path"""
@@ -54,10 +56,10 @@ def plan_path(
     robot: Robot,
     path: ToolPath,
     *,
-    rate: float = 250.0,
+    rate: float = RATE,
     free_tool_rotation: bool = True,
     work_frame: Array | None = None,
-    tolerance: float = 5e-5,
+    tolerance: float = TOLERANCE,
     axis_tolerance: float = np.radians(0.1),
     timing: Backend = "certified",
     cells: int = 1000,

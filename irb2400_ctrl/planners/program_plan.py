@@ -24,6 +24,7 @@ from irb2400_ctrl.planners.plan import Plan
 from irb2400_ctrl.planners.toolpath.cam_program import CamProgram, Operation
 from irb2400_ctrl.planners.toolpath.positioner import upright
 from irb2400_ctrl.robot import Robot
+from irb2400_ctrl.trajectory.trajectory import RATE
 
 ArmOf = Callable[[Operation], Robot]
 """the arm with the tool of an operation"""
@@ -174,7 +175,7 @@ def plan_program(
     if all(o.planned for o in done):
         runs = tuple(run for o in done for run in o.runs)
         try:
-            rate = float(options.get("rate", 250.0))
+            rate = float(options.get("rate", RATE))
             motion = link_operations(program.name, runs, plane, links, rate)
         except InputError as error:
             refused = str(error)
@@ -203,7 +204,7 @@ def plan_unwound(
     found = for_operation(robot, operation, options)
     plane = clearance_plane(robot, program, links, [found])
     runs = unwound_runs(robot, operation, plane, links, found, because)
-    rate = float(options.get("rate", 250.0))
+    rate = float(options.get("rate", RATE))
     motion = link_operations(program.name, runs, plane, links, rate)
     return ProgramPlan(program, (PlannedOperation(operation, runs),), motion)
 

@@ -12,6 +12,8 @@ from numpy.typing import ArrayLike
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InputError
 
+RATE = 250.0
+"""rows of a motion per second, unless asked otherwise: what EGM takes [1/s]"""
 # rows that are written at once
 _ROWS = 1000
 # significant digits of the arrays in the file, and those of its angles

@@ -28,15 +28,15 @@ from irb2400_ctrl.planners.redundancy.way_out import WayOut, way_is_free
 from irb2400_ctrl.planners.timing.sampled_reference.interpolation import DEFAULT, interpolation
 from irb2400_ctrl.planners.toolpath.cam_program import Operation
 from irb2400_ctrl.planners.toolpath.orientation import Orientation, shape_path
+from irb2400_ctrl.planners.toolpath.task_curve import TOLERANCE
 from irb2400_ctrl.planners.toolpath.toolpath import ToolPath
 from irb2400_ctrl.robot import Robot
+from irb2400_ctrl.trajectory.trajectory import RATE
 
 # what a mark on the part is worth [s]
 _MARK = 2.0
 # rapid speed that the way out is counted with [m/s]
 _RAPID = 0.5
-# how far the corner of a way out is cut [m]
-_TOLERANCE = 5e-5
 # parts of parts: how deep
 _DEPTH = 3
 
@@ -174,17 +174,17 @@ class Split:
 
     def waiting(self, runs: tuple[Run, ...]) -> tuple[Run, ...]:
         """The runs, cut where the operation waits."""
-        tolerance = float(self.options.get("tolerance", _TOLERANCE))
+        tolerance = float(self.options.get("tolerance", TOLERANCE))
         return tuple(part for run in runs for part in waiting(run, tolerance))
 
     @property
     def _beside(self) -> PlanOptions:
         """Of the moves beside the parts: the tool does not turn."""
         return PlanOptions(
-            float(self.options.get("rate", 250.0)),
+            float(self.options.get("rate", RATE)),
             False,
             np.eye(4),
-            _TOLERANCE,
+            TOLERANCE,
             0.0,
             interpolation(self.options.get("interpolation", DEFAULT)),
             self.options.get("cell"),
@@ -208,7 +208,7 @@ class Split:
 
     def _pieces(self, part: Part) -> list[Part]:
         """The part cut at the cheapest re-entries; in two halves, where the ladder needs none."""
-        tolerance = float(self.options.get("tolerance", 5e-5))
+        tolerance = float(self.options.get("tolerance", TOLERANCE))
         orientation = shape_path(part.path, self._spindle, tolerance)
         held = orientation.curve.full and not self.options.get("free_tool_rotation", True)
         u = stations(orientation)

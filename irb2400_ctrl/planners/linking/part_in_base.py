@@ -12,12 +12,9 @@ from irb2400_ctrl.model import Model
 from irb2400_ctrl.planners.linking.clearance_plane import spindle_axis
 from irb2400_ctrl.planners.redundancy.part_law import part_motion
 from irb2400_ctrl.planners.toolpath.cam_program import Operation
-from irb2400_ctrl.planners.toolpath.task_curve import smooth_curve
+from irb2400_ctrl.planners.toolpath.task_curve import TOLERANCE, smooth_curve
 from irb2400_ctrl.planners.toolpath.toolpath import ToolPath
 from irb2400_ctrl.robot import Robot
-
-# how far corners of the path are cut [m]
-_TOLERANCE = 5e-5
 
 
 def placed_path(operation: Operation, options: dict[str, Any]) -> ToolPath:
@@ -32,7 +29,7 @@ def path_in_base(robot: Robot, path: ToolPath, options: dict[str, Any]) -> ToolP
     cell: Cell | None = options.get("cell")
     if cell is None or cell.external_axes is None:
         return path
-    tolerance = float(options.get("tolerance", _TOLERANCE))
+    tolerance = float(options.get("tolerance", TOLERANCE))
     curve = smooth_curve(path, tolerance)
     free = bool(options.get("free_tool_rotation", True)) and path.rotation is None
     part = part_motion(curve, spindle_axis(robot), cell, Model(robot), free)

@@ -16,6 +16,7 @@ from irb2400_ctrl.planners.redundancy.choices import cutting_at
 from irb2400_ctrl.planners.redundancy.follow import arc_length, station_parameters
 from irb2400_ctrl.planners.toolpath.cam_program import Operation
 from irb2400_ctrl.planners.toolpath.orientation import Orientation, shape_path
+from irb2400_ctrl.planners.toolpath.task_curve import TOLERANCE
 from irb2400_ctrl.planners.toolpath.toolpath import ToolPath
 from irb2400_ctrl.robot import Robot
 
@@ -24,8 +25,6 @@ COARSE = (14, 12)
 FINE = (48, 24)
 """of the closer look, and of what is reported"""
 _LEAST = 4
-# how far corners are cut: nothing that a choice of place depends on [m]
-_TOLERANCE = 5e-5
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,7 +92,7 @@ def task_of(
     held = None if cell is None or name is None else cell.tool(name)
     model = Model(robot if held is None else with_tool(robot, held))
     spindle = np.array((0.0, 0.0, 1.0) if robot.tool is None else robot.tool.spindle_axis)
-    orientation = shape_path(operation.path, spindle, _TOLERANCE)
+    orientation = shape_path(operation.path, spindle, TOLERANCE)
     scene = Scene.of(model, robot, cell, held)
     none = np.empty(0)
     return Task(

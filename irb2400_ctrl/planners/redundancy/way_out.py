@@ -15,6 +15,7 @@ from irb2400_ctrl.planners.redundancy.known_way import End, known_way
 from irb2400_ctrl.planners.redundancy.ladder_graph import BOX_INSET, Ladder
 from irb2400_ctrl.planners.redundancy.ladder_moves import LARGEST_STEP
 from irb2400_ctrl.planners.toolpath.orientation import Orientation, shape_path
+from irb2400_ctrl.planners.toolpath.task_curve import TOLERANCE
 from irb2400_ctrl.planners.toolpath.toolpath import ToolPath
 
 # places looked at on each side of a line
@@ -72,7 +73,7 @@ class WayOut:
             name = "line from the clearance plane" if end == "first" else "line to it"
             moved = places - places[0] + X[:3, 3]
             line = ToolPath(moved, rotation=np.tile(X[:3, :3], (len(moved), 1, 1)), name=name)
-            known_way(model, shape_path(line, orientation.spindle, 5e-5), q, "first", around)
+            known_way(model, shape_path(line, orientation.spindle, TOLERANCE), q, "first", around)
 
 
 def way_is_free(model: Model, X: Array, q: Array, places: Array) -> Array:

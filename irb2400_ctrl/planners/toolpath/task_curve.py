@@ -31,6 +31,8 @@ SMOOTH_BEND = 0.3
 GENTLE = 10.0
 """how far beside its chords a smooth curve may swing through the way-points, in tolerances: sampled
 curves do by less, a polygon of long sides bends as little but is none"""
+TOLERANCE = 5e-5
+"""how far corners are cut, unless asked otherwise [m]"""
 FEED_STEP = 1e-3
 """distance of the control points beside a way-point at which the feed changes [m]"""
 # rows: basis functions of a uniform cubic B-spline segment in powers of u
@@ -104,7 +106,7 @@ class TaskCurve:
         return point[:, :3], first, np.stack([first, second, np.cross(first, second)], axis=2)
 
 
-def smooth_curve(path: ToolPath, tolerance: float = 5e-5) -> TaskCurve:
+def smooth_curve(path: ToolPath, tolerance: float = TOLERANCE) -> TaskCurve:
     """The curve of a path; `tolerance` bounds how far corners are cut [m].
 
     Raises:
