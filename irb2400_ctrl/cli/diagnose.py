@@ -92,7 +92,7 @@ def diagnose(
     for path in (validate, *(reference or [])):
         if path is not None and not is_robot(path):
             input_file(path, WHAT)
-    stretch_of_one("validate", validate, validate_between)
+    stretch_of_one(validate, validate_between)
     output_folder(out)
 
     from irb2400_ctrl.report.pages.diagnosis_page import diagnosis_page, lines

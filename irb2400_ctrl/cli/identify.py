@@ -63,7 +63,7 @@ def identify(
     body = None if load is None else _load(load)
     for path in (*logs, *others, *heavy):
         input_file(path, WHAT)
-    stretch_of_one("validate", others, validate_between)
+    stretch_of_one(others, validate_between)
     output_folder(out)
 
     from irb2400_ctrl.identification import identify as run

@@ -109,7 +109,7 @@ def read_logs(
     return ReadLogs(logs, left_out)
 
 
-def stretch_of_one(option: str, given: object, between: str | None) -> None:
+def stretch_of_one(given: object, between: str | None) -> None:
     """Refuse a stretch of a log that is not given.
 
     Raises:
@@ -119,8 +119,8 @@ def stretch_of_one(option: str, given: object, between: str | None) -> None:
 
     if between is not None and not given:
         raise InputError(
-            f"--{option}-between: found {between!r} and no --{option}; expected the log that it is "
-            f"a stretch of: --{option} LOG"
+            f"--validate-between: found {between!r} and no --validate; expected the log that it is "
+            "a stretch of: --validate LOG"
         )
 
 

@@ -100,15 +100,15 @@ def extent(model: Model, q: Array, qd: Array, qdd: Array) -> Extent:
     )
 
 
-def with_share(robot: Robot, share: float = SHARE) -> Robot:
-    """The robot with smaller limits of torque and speed: what is planned for it leaves the rest
-    free."""
+def with_share(robot: Robot) -> Robot:
+    """The robot with `SHARE` of its limits of torque and speed: what is planned for it leaves the
+    rest free."""
     joints = []
     for joint, torque, speed in zip(robot.joints, robot.tau_max, robot.qd_max, strict=True):
         limits = joint.limits.model_copy(
             update={
-                "torque_Nm": share * torque,
-                "speed_deg_s": float(np.degrees(share * speed)),
+                "torque_Nm": SHARE * torque,
+                "speed_deg_s": float(np.degrees(SHARE * speed)),
             }
         )
         joints.append(joint.model_copy(update={"limits": limits}))

@@ -63,7 +63,7 @@ def velocity_grid() -> Array:
     )
 
 
-def few_speeds(count: int = SPEEDS, slowest: float = SLOWEST, fastest: float = 0.5) -> Array:
+def few_speeds(count: int, slowest: float = SLOWEST, fastest: float = 0.5) -> Array:
     """The grid of eq. 74 between two speeds, thinned evenly, (count,) [rad/s].
 
     Args:
@@ -76,12 +76,11 @@ def few_speeds(count: int = SPEEDS, slowest: float = SLOWEST, fastest: float = 0
     return np.asarray(grid[np.linspace(0, len(grid) - 1, count).round().astype(int)])
 
 
-def friction_runs(workshop: Workshop, count: int = SPEEDS, seed: int = 0) -> FrictionRuns:
+def friction_runs(workshop: Workshop, seed: int = 0) -> FrictionRuns:
     """Plan the runs of all joints.
 
     Args:
         workshop: what the arm may do.
-        count: speeds of each joint.
         seed: of the postures that are tried.
 
     Raises:
@@ -93,7 +92,7 @@ def friction_runs(workshop: Workshop, count: int = SPEEDS, seed: int = 0) -> Fri
     speeds = []
     for j in range(robot.n):
         fastest = min(0.5, SHARE_OF_SPEED * float(robot.qd_max[j]))
-        own = few_speeds(count, SLOWEST, fastest)
+        own = few_speeds(SPEEDS, SLOWEST, fastest)
         centre = _posture(workshop, j, _way(fastest), rng)
         one = np.concatenate([there_and_back(speed) for speed in own])
         states = np.repeat(one[:, :, None], robot.n, axis=2)

@@ -66,7 +66,7 @@ def followed(
         yield suspicion(watch, open_alarms, name_it)
 
 
-def suspicion(watch: Watch, alarms: list[Alarm], name_it: bool = True) -> Suspicion:
+def suspicion(watch: Watch, alarms: list[Alarm], name_it: bool) -> Suspicion:
     """Of alarms that belong together.
 
     Args:

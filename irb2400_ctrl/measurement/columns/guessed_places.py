@@ -34,7 +34,7 @@ COUNTS = (6, 7)
 """joints of an arm that is not known"""
 
 
-def guessed_places(columns: Mapping[str, Array], joints: Sequence[str] | None = None) -> str:
+def guessed_places(columns: Mapping[str, Array], joints: Sequence[str] | None) -> str:
     """The end of a message: a column map to be checked; empty where the numbers do not tell.
 
     Args:

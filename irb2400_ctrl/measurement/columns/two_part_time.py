@@ -16,15 +16,14 @@ _BEYOND = ("nanosec", "nsec", "nsecs", "nanosecs", "nanoseconds")
 SECOND = 10**9
 
 
-def joined_time(table: Table, into: str = "time_s") -> Table:
-    """The table with both columns as one of seconds since the first stamp.
+def joined_time(table: Table) -> Table:
+    """The table with both columns as one of seconds since the first stamp, `time_s`.
 
     Args:
         table: as it was read; without such a pair, or with several, it is returned as it is.
-        into: name of the column that is made.
     """
     pair = time_pair(table.columns)
-    return table if pair is None else joined(table, *pair, into)
+    return table if pair is None else joined(table, *pair, "time_s")
 
 
 def time_pair(names: Iterable[str]) -> tuple[str, str] | None:

@@ -39,7 +39,7 @@ class Proof:
         }
 
 
-def prove(tasks: Sequence[Task], X_BW: Array, load: CuttingLoad | None = None) -> Proof:
+def prove(tasks: Sequence[Task], X_BW: Array, load: CuttingLoad | None) -> Proof:
     """Follow each task with the joints, with the work object at X_BW (4, 4).
 
     Args:

@@ -46,13 +46,12 @@ def small(legend: bool = False) -> tuple[Figure, Axes]:
     return figure, axis
 
 
-def wide(height: float, rows: int = 1) -> tuple[Figure, list[Axes]]:
-    """Plots below each other over a common x."""
+def wide(height: float) -> tuple[Figure, Axes]:
+    """A plot as wide as the page."""
     figure = Figure(figsize=(7.0, height), layout="constrained")
-    axes = list(np.atleast_1d(figure.subplots(rows, 1, sharex=True)))
-    for axis in axes:
-        axis.grid(lw=0.6)
-    return figure, axes
+    axis = figure.subplots()
+    axis.grid(lw=0.6)
+    return figure, axis
 
 
 def over_time(

@@ -12,6 +12,8 @@ from irb2400_ctrl.report.figures.residual_figures import autocorrelation_figure
 
 GAP = 3.5
 """times the usual step from one bin to the next, over which no line is drawn"""
+_SECONDS = 10.0
+"""shown of a torque"""
 
 AXIS_NAMES = {
     "q": "angle",
@@ -22,22 +24,21 @@ AXIS_NAMES = {
 }
 
 
-def torque_figure(comparison: Comparison, joint: int, seconds: float = 10.0) -> Figure:
-    """Measured torque of one joint against the model before and after, over the stretch of
-    `seconds` in which the model before was furthest off.
+def torque_figure(comparison: Comparison, joint: int) -> Figure:
+    """Measured torque of one joint against the model before and after, over the
+    seconds in which the model before was furthest off.
 
     Args:
         comparison: before and after, on one log.
         joint: counted from 1.
-        seconds: length of the stretch [s].
     """
     j = joint - 1
     time = comparison.time - comparison.time[0]
     known = comparison.known[:, j]
     before, _ = residuals(comparison, joint)
-    start = _worst_start(time, np.nan_to_num(before), seconds)
-    shown = (time >= start) & (time <= start + seconds)
-    figure, (axis,) = wide(3.4)
+    start = _worst_start(time, np.nan_to_num(before))
+    shown = (time >= start) & (time <= start + _SECONDS)
+    figure, axis = wide(3.4)
     axis.plot(time[shown], comparison.measured[shown, j], color="0.55", lw=2.0, label="measured")
     # at standstill dry friction is undetermined and the model's sign of speed only follows the
     # noise
@@ -92,7 +93,7 @@ def closer_figures(comparison: Comparison, joint: int) -> list[Figure]:
 def curve_figure(curve: Curve, law: str) -> Figure:
     """An effect's own torque: what the log shows once all else is taken off, with its band, and the
     law."""
-    figure, (axis,) = wide(3.6)
+    figure, axis = wide(3.6)
     x, low, high, line = _with_gaps(curve.x, curve.x, curve.low, curve.high, curve.law)
     axis.fill_between(x, low, high, color="0.8", label="log, 95 % band")
     axis.plot(curve.x, curve.measured, "o", ms=3, color="0.35", label="log, mean of the bin")
@@ -122,11 +123,11 @@ def _signal_name(signal: str) -> str:
     return f"{AXIS_NAMES.get(stem, stem)} {digits}".rstrip()
 
 
-def _worst_start(time: np.ndarray, residual: np.ndarray, seconds: float) -> float:
+def _worst_start(time: np.ndarray, residual: np.ndarray) -> float:
     """Start of the window that holds the most residual energy."""
-    if time[-1] <= seconds:
+    if time[-1] <= _SECONDS:
         return 0.0
     energy = np.concatenate([[0.0], np.cumsum(residual**2)])
-    count = int(np.searchsorted(time, seconds))
+    count = int(np.searchsorted(time, _SECONDS))
     window = energy[count:] - energy[:-count]
     return float(time[int(np.argmax(window[: len(time) - count + 1]))])

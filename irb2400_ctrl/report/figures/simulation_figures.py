@@ -13,7 +13,7 @@ from irb2400_ctrl.simulation import Simulation
 
 def tracking_figure(runs: Mapping[str, Simulation]) -> Figure:
     """Distance of the TCP from its reference over time, one line per run."""
-    figure, (axis,) = wide(3.4)
+    figure, axis = wide(3.4)
     for name, run in runs.items():
         error = 1e3 * run.tcp_error
         rms = float(np.sqrt(np.mean(error**2)))
@@ -28,7 +28,7 @@ def tracking_figure(runs: Mapping[str, Simulation]) -> Figure:
 
 def joint_figure(runs: Mapping[str, Simulation]) -> Figure:
     """Largest error of each joint, one bar per run."""
-    figure, (axis,) = wide(2.6)
+    figure, axis = wide(2.6)
     width = 0.8 / len(runs)
     for k, (name, run) in enumerate(runs.items()):
         worst = np.degrees(np.abs(run.q - run.q_ref)).max(axis=0)

@@ -15,7 +15,7 @@ SHARES = (0.05, 0.5, 0.95)
 
 def share_figure(lines: Sequence[SummaryLine]) -> Figure:
     """Share of all runs below an error, one curve per controller."""
-    figure, (axis,) = wide(3.8)
+    figure, axis = wide(3.8)
     for controller in dict.fromkeys(line.controller for line in lines):
         own = [line for line in lines if line.controller == controller]
         errors = np.sort([e for line in own for e in line.errors_mm])
@@ -34,7 +34,7 @@ def motion_figure(lines: Sequence[SummaryLine]) -> Figure:
     """Median and 5 to 95 % of the error, motion by motion."""
     controllers = list(dict.fromkeys(line.controller for line in lines))
     motions = list(dict.fromkeys((line.motion, line.speed) for line in lines))
-    figure, (axis,) = wide(1.2 + 0.2 * len(motions) * (len(controllers) + 1))
+    figure, axis = wide(1.2 + 0.2 * len(motions) * (len(controllers) + 1))
     height = len(controllers) + 1.0
     for line in lines:
         if not line.errors_mm:

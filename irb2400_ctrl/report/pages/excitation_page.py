@@ -62,7 +62,7 @@ def rows(found: Excitation) -> tuple[list[str], list[list[object]]]:
 def separation_figure(found: Excitation) -> Figure:
     """A pair of bars for each two effects."""
     shown = sorted((r for r in found.table if not r.hopeless), key=lambda r: r.distance[1])[:MOST]
-    figure, (axis,) = wide(1.4 + 0.3 * len(shown))
+    figure, axis = wide(1.4 + 0.3 * len(shown))
     place = np.arange(len(shown))
     for shift, which, colour, label in (
         (0.2, 0, "tab:gray", "standard motion"),

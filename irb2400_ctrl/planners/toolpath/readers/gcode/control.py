@@ -25,7 +25,7 @@ def without_comments(text: str) -> str:
     return code
 
 
-def is_siemens(text: str, name: str = "") -> bool:
+def is_siemens(text: str, name: str) -> bool:
     """Whether only a control of Siemens reads such words, or the file is named as one of its
     programs."""
     suffix = PurePath(name).suffix.lower()
