@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import contextlib
 import io
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -38,3 +39,8 @@ def script(code: str, cwd: Path) -> str:
     with contextlib.chdir(cwd), contextlib.redirect_stdout(out):
         exec(compile(code, "script of a page", "exec", dont_inherit=True), {})
     return out.getvalue()
+
+
+def fenced(page: str, kinds: str) -> list[str]:
+    """The blocks of a page in one language, or in several (`sh|bash`), as they are printed."""
+    return re.findall(rf"```(?:{kinds})\n(.*?)```", page, re.DOTALL)

@@ -18,7 +18,7 @@ from pathlib import Path
 from unittest import mock
 
 import pytest
-from command_line import irb2400
+from command_line import fenced, irb2400
 from independent_plant import Case
 from only_posix import posix_only
 from test_documented_lines import PAGES, SCRIPTS, blocks
@@ -186,7 +186,7 @@ def test_benchmarks_of_watching(folder: Path) -> None:
 @pytest.mark.slow
 def test_programs_out(folder: Path) -> None:
     page = (ROOT / "docs" / "cam_to_robot.md").read_text()
-    part = re.findall(r"```text\n(.*?)```", page, re.DOTALL)[0]
+    part = fenced(page, "text")[0]
     (folder / "part.nc").write_text(part)
     for line in lines("programs_out.md"):
         run(line)

@@ -5,12 +5,12 @@ from __future__ import annotations
 
 import ast
 import importlib
-import re
 import shlex
 from pathlib import Path
 from typing import Any
 
 import pytest
+from command_line import fenced
 from typer.main import get_command
 
 import irb2400_ctrl as irb
@@ -23,7 +23,7 @@ PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").g
 def blocks(kinds: str) -> list[tuple[str, str]]:
     found = []
     for page in PAGES:
-        for text in re.findall(rf"```(?:{kinds})\n(.*?)```", page.read_text(), re.DOTALL):
+        for text in fenced(page.read_text(), kinds):
             found.append((page.name, text))
     return found
 

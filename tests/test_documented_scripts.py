@@ -8,6 +8,7 @@ import shlex
 from pathlib import Path
 
 import pytest
+from command_line import fenced
 from typer.testing import CliRunner
 
 from irb2400_ctrl.cli.main import app
@@ -25,8 +26,8 @@ FINI
 """
 
 
-def fenced(page: str, kind: str) -> list[str]:
-    return re.findall(rf"```{kind}\n(.*?)```", (DOCS / page).read_text(), re.DOTALL)
+def blocks_of(page: str, kind: str) -> list[str]:
+    return fenced((DOCS / page).read_text(), kind)
 
 
 @pytest.mark.parametrize("page", [*OWN[:2], pytest.param(OWN[2], marks=pytest.mark.slow)])
@@ -37,7 +38,7 @@ def test_scripts_run(page: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
     data.mkdir(parents=True)
     for path in (tmp_path / "part.apt", data / "freeform.apt"):
         path.write_text(SMALL)
-    blocks = fenced(page, "python")
+    blocks = blocks_of(page, "python")
     assert blocks
     for block in blocks:
         exec(compile(block, page, "exec", dont_inherit=True), {})
@@ -47,7 +48,7 @@ def test_scripts_run(page: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
 def test_commands_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """That of codegen.md."""
     monkeypatch.chdir(tmp_path)
-    (codegen,) = fenced("codegen.md", "sh")
+    (codegen,) = blocks_of("codegen.md", "sh")
     words = shlex.split(codegen.replace("\\\n", " "), comments=True)[1:]
     done = CliRunner().invoke(app, words, catch_exceptions=False)
     assert done.exit_code == 0, done.output
@@ -56,7 +57,7 @@ def test_commands_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_every_page_with_a_script_is_run_by_a_test() -> None:
     tests = "\n".join(path.read_text() for path in (ROOT / "tests").rglob("test_*.py"))
-    pages = [path.name for path in DOCS.glob("*.md") if fenced(path.name, "python")]
+    pages = [path.name for path in DOCS.glob("*.md") if blocks_of(path.name, "python")]
     assert len(pages) > 10
     assert [page for page in pages if f'"{page}"' not in tests] == []
 

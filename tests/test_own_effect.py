@@ -9,7 +9,6 @@ from __future__ import annotations
 import json
 import os
 import pickle
-import re
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -18,6 +17,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from command_line import fenced
 from typer.testing import CliRunner
 
 import irb2400_ctrl as irb
@@ -41,9 +41,7 @@ taut_rad = {TAUT}
 
 
 def page() -> str:
-    found = re.search(r"```python\n(.*?)```", (ROOT / "docs" / "own_effects.md").read_text(), re.S)
-    assert found is not None
-    return found.group(1)
+    return fenced((ROOT / "docs" / "own_effects.md").read_text(), "python")[0]
 
 
 @pytest.fixture(autouse=True)

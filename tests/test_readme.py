@@ -10,6 +10,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from command_line import fenced
 from typer.testing import CliRunner
 
 import irb2400_ctrl as irb
@@ -20,7 +21,7 @@ ROOT = Path(__file__).parent.parent
 README = (ROOT / "README.md").read_text()
 LINES = [
     shlex.split(line, comments=True)
-    for block in re.findall(r"```sh\n(.*?)```", README, re.DOTALL)
+    for block in fenced(README, "sh")
     for line in block.splitlines()
     if line.startswith("irb2400 ")
 ]
@@ -28,7 +29,7 @@ LINES = [
 SMALL_AREA = ["--area", "900,-100,550,1100,100,650", "--no-turn"]
 
 
-@pytest.mark.parametrize("code", re.findall(r"```python\n(.*?)```", README, re.DOTALL))
+@pytest.mark.parametrize("code", fenced(README, "python"))
 def test_script(code: str, tmp_path: Path) -> None:
     done = subprocess.run(
         [sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True, check=False

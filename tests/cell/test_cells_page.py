@@ -8,7 +8,7 @@ import shlex
 from pathlib import Path
 
 import pytest
-from command_line import irb2400, script
+from command_line import fenced, irb2400, script
 
 from irb2400_ctrl import load_robot
 
@@ -17,7 +17,7 @@ PAGE = (Path(__file__).parents[2] / "docs" / "cells.md").read_text()
 
 
 def block(language: str, number: int = 0) -> str:
-    return re.findall(rf"```{language}\n(.*?)```", PAGE, re.DOTALL)[number]
+    return fenced(PAGE, language)[number]
 
 
 @pytest.fixture

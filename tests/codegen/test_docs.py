@@ -1,12 +1,12 @@
 """The page's examples run."""
 
-import re
 from pathlib import Path
 
 import pytest
+from command_line import fenced
 
 PAGE = Path(__file__).parents[2] / "docs" / "codegen.md"
-BLOCKS = re.findall(r"```python\n(.*?)```", PAGE.read_text(encoding="utf-8"), flags=re.S)
+BLOCKS = fenced(PAGE.read_text(encoding="utf-8"), "python")
 
 
 @pytest.mark.parametrize("code", BLOCKS, ids=range(len(BLOCKS)))

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import re
 import shlex
 import shutil
 import subprocess
@@ -12,13 +11,13 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from command_line import irb2400
+from command_line import fenced, irb2400
 
 ROOT = Path(__file__).parents[2]
 PAGE = "from_nothing.md"
 COMMANDS = [
     line
-    for block in re.findall(r"```sh\n(.*?)```", (ROOT / "docs" / PAGE).read_text(), re.DOTALL)
+    for block in fenced((ROOT / "docs" / PAGE).read_text(), "sh")
     for line in block.replace("\\\n", " ").splitlines()
 ]
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import re
 import shlex
 import shutil
 import sys
@@ -12,6 +11,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from command_line import fenced
 from identification.possible_arms import possible_robot
 
 import irb2400_ctrl as irb
@@ -161,7 +161,7 @@ def test_the_page(
     for path in DATA.glob("*.csv.gz"):
         shutil.copy(path, tmp_path)
     monkeypatch.chdir(tmp_path)
-    commands = re.findall(r"```sh\n(.*?)```", PAGE, re.DOTALL)[0].splitlines()
+    commands = fenced(PAGE, "sh")[0].splitlines()
     assert len(commands) == 3
     for command in commands:
         monkeypatch.setattr(sys, "argv", shlex.split(command))
@@ -176,7 +176,7 @@ def test_the_page(
     checked = json.loads((tmp_path / "checked" / "validation.json").read_text())
     assert told["logs"][0]["role"] == "identification"
     assert len(checked["error"]["rmse_Nm"]) == 6
-    code = re.findall(r"```python\n(.*?)```", PAGE, re.DOTALL)[0]
+    code = fenced(PAGE, "python")[0]
     exec(compile(code, "identification.md", "exec"), {})
     assert (tmp_path / "arm.toml").is_file()
 

@@ -9,7 +9,7 @@ import subprocess
 from pathlib import Path
 
 import pytest
-from command_line import irb2400, script
+from command_line import fenced, irb2400, script
 
 from irb2400_ctrl.trajectory import load_trajectory
 
@@ -17,7 +17,7 @@ PAGE = (Path(__file__).parents[2] / "docs" / "cam_to_robot.md").read_text()
 
 
 def blocks(language: str) -> list[str]:
-    return re.findall(rf"```{language}\n(.*?)```", PAGE, re.DOTALL)
+    return fenced(PAGE, language)
 
 
 def said(done: subprocess.CompletedProcess[str]) -> str:

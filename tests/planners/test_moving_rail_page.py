@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from command_line import irb2400, script
+from command_line import fenced, irb2400, script
 
 from irb2400_ctrl import load_robot
 from irb2400_ctrl.cell import load_cell
@@ -28,7 +28,7 @@ PAGE = (ROOT / "docs" / "moving_rail.md").read_text()
 
 
 def block(language: str) -> str:
-    return re.findall(rf"```{language}\n(.*?)```", PAGE, re.DOTALL)[0]
+    return fenced(PAGE, language)[0]
 
 
 def command(line: str, folder: Path) -> subprocess.CompletedProcess[str]:

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 import pytest
+from command_line import fenced
 from rapid_motions import WORK, circle, wrist_passage
 
 import irb2400_ctrl as irb
@@ -161,7 +162,7 @@ def test_a_configuration_that_does_not_exist_is_refused(model: irb.Model) -> Non
 
 def test_blocks_of_the_documentation_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     page = Path(__file__).parents[2] / "docs" / "programs_out.md"
-    blocks = re.findall(r"```python\n(.*?)```", page.read_text(), re.DOTALL)
+    blocks = fenced(page.read_text(), "python")
     assert blocks
     monkeypatch.chdir(tmp_path)
     scope: dict[str, object] = {}

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import json
-import re
 import shlex
 import subprocess
 from pathlib import Path
 
 import numpy as np
 import pytest
-from command_line import irb2400, script
+from command_line import fenced, irb2400, script
 
 from irb2400_ctrl import load_robot
 from irb2400_ctrl.cell import load_cell
@@ -25,7 +24,7 @@ PAGE = (Path(__file__).parents[2] / "docs" / "turning_part.md").read_text()
 
 
 def block(language: str) -> str:
-    return re.findall(rf"```{language}\n(.*?)```", PAGE, re.DOTALL)[0]
+    return fenced(PAGE, language)[0]
 
 
 def command(line: str, folder: Path) -> subprocess.CompletedProcess[str]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
+from command_line import fenced
 from corrupted_logs import corruptions
 
 from irb2400_ctrl.measurement import load_column_map
@@ -15,10 +16,8 @@ PAGE = (Path(__file__).parents[2] / "docs" / "logs.md").read_text()
 
 
 def test_the_column_map_of_the_page_is_one(tmp_path: Path) -> None:
-    block = re.search(r"```toml\n(.*?)```", PAGE, re.DOTALL)
-    assert block is not None
     path = tmp_path / "map.toml"
-    path.write_text(block[1])
+    path.write_text(fenced(PAGE, "toml")[0])
     found = load_column_map(path)
     assert [column.joint for column in found.columns] == [2, 2, 3]
     assert found.columns[1].scale == -0.62 * 101.0

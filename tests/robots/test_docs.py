@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import re
 import shlex
 from pathlib import Path
 
 import pytest
+from command_line import fenced
 from robots.public_arms import arms, urdf
 from typer.testing import CliRunner
 
@@ -24,7 +24,7 @@ def test_every_command_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> 
     monkeypatch.chdir(tmp_path)
     Path("arm.urdf").write_text(urdf(arms()["irb4600"]))
     Path("table.csv").write_text(TABLE)
-    blocks = re.findall(r"```bash\n(.*?)```", PAGE, re.DOTALL)
+    blocks = fenced(PAGE, "bash")
     commands = [line for block in blocks for line in block.splitlines()]
     assert len(commands) >= 10
     for command in commands:

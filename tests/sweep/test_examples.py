@@ -6,6 +6,7 @@ import re
 from pathlib import Path
 
 import pytest
+from command_line import fenced
 
 from irb2400_ctrl.sweep import load_study
 from irb2400_ctrl.sweep.cases import Runner
@@ -37,6 +38,6 @@ def test_example_of_the_guide(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.chdir(ROOT)
-    (block,) = re.findall(r"```python\n(.*?)```", (ROOT / "docs" / "sweep.md").read_text(), re.S)
+    (block,) = fenced((ROOT / "docs" / "sweep.md").read_text(), "python")
     exec(compile(block, "docs/sweep.md", "exec"), {})
     assert "coulomb_change" in capsys.readouterr().out

@@ -4,13 +4,13 @@ it is said to be."""
 from __future__ import annotations
 
 import json
-import re
 from collections.abc import Iterator
 from hashlib import sha256
 from pathlib import Path
 
 import numpy as np
 import pytest
+from command_line import fenced
 from independent_plant import Case, Effect
 from typer.testing import CliRunner
 
@@ -232,7 +232,7 @@ def test_the_script_of_the_page(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     page = (Path(__file__).parents[2] / "docs" / "watching.md").read_text()
-    (script,) = re.findall(r"```python\n(.*?)```", page, re.DOTALL)
+    (script,) = fenced(page, "python")
     write_log(changing, tmp_path / "log.csv")
     monkeypatch.chdir(tmp_path)
     exec(compile(script, "watching.md", "exec"), {})

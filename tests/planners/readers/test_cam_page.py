@@ -3,21 +3,18 @@
 from __future__ import annotations
 
 import json
-import re
 import shlex
 from pathlib import Path
 
 import pytest
-from command_line import irb2400, script
+from command_line import fenced, irb2400, script
 
 ROOT = Path(__file__).parents[3]
 PAGE = (ROOT / "docs" / "cam.md").read_text()
 
 
 def block(language: str) -> str:
-    found = re.search(rf"```{language}\n(.*?)```", PAGE, re.DOTALL)
-    assert found is not None
-    return found.group(1)
+    return fenced(PAGE, language)[0]
 
 
 @pytest.fixture
