@@ -20,8 +20,9 @@ def demo(out: OutOption) -> Summary:
     the loop."""
     output_folder(out)
     with step("loading") as say:
-        from irb2400_ctrl.report.main_job import PLANT_SEED, run_main_job
+        from irb2400_ctrl.report.main_job import run_main_job
         from irb2400_ctrl.report.pages.main_page import main_page, summary, table
+        from irb2400_ctrl.simulation.perturb import PLANT_SEED
 
         job = run_main_job(out, say)
         say("writing the report")

@@ -9,9 +9,8 @@ import numpy as np
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.model.model import Model
 from irb2400_ctrl.robot import Robot
+from irb2400_ctrl.trajectory.trajectory import RATE
 
-RATE = 250.0
-"""samples per second, that of the robot's own log [1/s]"""
 SHARE = 0.6
 """of range and speed that the motions use [-]"""
 DURATION = 10.0

@@ -16,6 +16,7 @@ from irb2400_ctrl.planners import MotionLimits, Plan, plan_path, read_path
 from irb2400_ctrl.robot import Robot, load_robot
 from irb2400_ctrl.simulation import Simulation, perturbed_robot, simulate
 from irb2400_ctrl.simulation.close_the_loop import ClosedLoop, close_loop
+from irb2400_ctrl.simulation.perturb import PLANT_SEED
 
 DATA = Path(str(resources.files("irb2400_ctrl") / "data"))
 TOOLPATH = DATA / "freeform.apt"
@@ -25,9 +26,6 @@ GENERATED = ("computed_torque", "feedforward_pid")
 # what the planner may use of the torque limits; the rest is the controller's, for what the model
 # does not know
 TORQUE_SHARE = 0.9
-# the plant differs from the model within the uncertainty of the data sheet; the seed only makes the
-# page repeatable
-PLANT_SEED = 7
 
 
 @dataclass(frozen=True)
@@ -59,6 +57,7 @@ def run_main_job(out: Path, say: Callable[[str], None] = lambda text: None) -> M
         block = guarded(controller(name, robot), robot)
         packages[name] = export_package(block, out / "c" / name, target="host")
 
+    # it differs from the model within the uncertainty of the data sheet
     plant = perturbed_robot(robot, PLANT_SEED)
     tracking = {}
     for name in TRACKED_WITH:

@@ -9,13 +9,11 @@ from typing import Any
 from irb2400_ctrl.codegen import Block
 from irb2400_ctrl.controllers import controller as make_controller
 from irb2400_ctrl.robot import Robot
-from irb2400_ctrl.simulation.perturb import perturbed_robot
+from irb2400_ctrl.simulation.perturb import PLANT_SEED, perturbed_robot
 from irb2400_ctrl.simulation.simulate import simulate
 from irb2400_ctrl.simulation.simulation import Simulation
 from irb2400_ctrl.trajectory import Trajectory
 
-PLANT_SEED = 7
-"""only makes the result repeatable"""
 LEFT_OPEN = 0.25
 """share of the data sheet's uncertainty that a log leaves: with it the simulated arm is followed as
 well as arms of the independent plant are by controllers made from their diagnosis"""

@@ -7,6 +7,8 @@ import numpy as np
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.robot import Body, Robot, Uncertainty
 
+PLANT_SEED = 7
+"""of the plant where one is as good as another: it only makes the result repeatable"""
 _DATA_SHEET = Uncertainty()
 
 

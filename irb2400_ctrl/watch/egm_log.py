@@ -21,7 +21,7 @@ from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.measurement import ColumnMap, Log, load_column_map
 from irb2400_ctrl.measurement.read_log import log_of
 from irb2400_ctrl.measurement.table import Table
-from irb2400_ctrl.planners.programs.egm.egm_messages import RobotMessage, decode_robot
+from irb2400_ctrl.planners.programs.egm.egm_messages import CLOCK, RobotMessage, decode_robot
 from irb2400_ctrl.planners.programs.egm.egm_socket import PORT, listening
 
 SCHEME = "egm"
@@ -29,8 +29,6 @@ PIECE = 1.0
 """[s] of the controller's clock that are given on together"""
 LOOK = 0.2
 """[s] after which the listener asks whether it is still wanted"""
-CLOCK = 1 << 32
-"""the controller's clock [ms] begins again there"""
 
 
 def egm_log(

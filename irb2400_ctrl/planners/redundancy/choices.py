@@ -31,7 +31,13 @@ from irb2400_ctrl.planners.redundancy.follow import (
     follow,
     station_parameters,
 )
-from irb2400_ctrl.planners.redundancy.ladder_graph import BOX_INSET, FREE_SHIFTS, Ladder, LadderWay
+from irb2400_ctrl.planners.redundancy.ladder_graph import (
+    BOX_INSET,
+    FREE_SHIFTS,
+    ROOM,
+    Ladder,
+    LadderWay,
+)
 from irb2400_ctrl.planners.redundancy.ladder_refusal import refusal
 from irb2400_ctrl.planners.redundancy.way_out import WayOut
 from irb2400_ctrl.planners.redundancy.wrist_passage import Passing, passings
@@ -44,8 +50,6 @@ SMOOTH = (10.0, 40.0)
 """lengths over which a varying rotation is smoothed, as the whole path over them"""
 ROUGH = (160.0, 640.0)
 """the same where the others leave the joint box"""
-ROOM = np.radians(3.0)
-"""distance kept from the ends of the joint box there [rad]"""
 
 
 def choices(

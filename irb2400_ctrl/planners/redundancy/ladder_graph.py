@@ -18,13 +18,15 @@ import numpy.typing as npt
 from irb2400_ctrl.arrays import Array, Integers
 from irb2400_ctrl.cell import Scene
 from irb2400_ctrl.model import Model
+from irb2400_ctrl.model.inverse_kinematics import BRANCHES
 from irb2400_ctrl.planners.clearance.crowd import Crowd
 from irb2400_ctrl.planners.redundancy.cutting_load import CuttingLoad
 from irb2400_ctrl.planners.redundancy.ladder_moves import LadderMoves, Node, Turns
 from irb2400_ctrl.planners.redundancy.singularity_margins import COMFORTABLE, relative_margins
 from irb2400_ctrl.planners.toolpath.orientation import Orientation
 
-BRANCHES = 8
+ROOM = np.radians(3.0)
+"""distance kept from the ends of the joint box where a rotation is smoothed afterwards [rad]"""
 # distance kept from the ends of the joint box, room for the spline between stations [rad]
 BOX_INSET = np.radians(0.2)
 # turns of the tool between neighbouring stations, in steps of the rotation grid

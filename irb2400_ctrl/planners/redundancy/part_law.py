@@ -35,10 +35,6 @@ _STEP = np.radians(10.0)
 _FINER = (np.radians(2.5), np.radians(0.6))
 # steps of the grid between neighbouring stations
 _MOST_STEPS = 3
-# distance of the stations [m], and how many there may be
-_SPACING = 0.02
-_FEWEST = 30
-_MOST = 1500
 # weights: of the tip's distance from the arm's first axis [1/m2], of turning [m/rad2], of an angle
 # that makes no difference [1/rad2]
 _NEAR = 0.05
@@ -96,7 +92,7 @@ def _turning_law(
     assert cell.positioner is not None
     assert axes is not None
     wished = np.array(up if cell.positioner.keep is None else cell.positioner.keep)
-    u = _stations(curve)
+    u = even_stations(curve)
     s = arc_length(curve, u)
     position, first, full = curve.pose(u)
     axis = first if full is None else -(full @ (spindle / np.linalg.norm(spindle)))
@@ -114,11 +110,6 @@ def _turning_law(
         return np.asarray(law(np.minimum(arc_length(curve, places), s[-1])))[back]
 
     return angles
-
-
-def _stations(curve: TaskCurve) -> Array:
-    """Evenly spread along the curve, ends included."""
-    return even_stations(curve, _SPACING, _FEWEST, _MOST)
 
 
 class _Search:

@@ -56,7 +56,7 @@ def rail_law(
         free_tool_rotation: whether the tool may turn about the spindle as it likes.
     """
     curve = orientation.curve
-    u = even_stations(curve, _SPACING, _FEWEST, _MOST)
+    u = even_stations(curve)
     length = float(arc_length(curve, u)[-1])
     way = -rail.direction[0]
     tip = orientation.poses(u, np.zeros(1))[:, :3, 3] @ way
@@ -80,12 +80,11 @@ def rail_law(
     return along
 
 
-def even_stations(curve: TaskCurve, spacing: float, fewest: int, most: int) -> Array:
-    """Parameters of stations evenly spread along a curve, about `spacing` [m] apart, ends
-    included."""
-    u = station_parameters(curve, spacing)
+def even_stations(curve: TaskCurve) -> Array:
+    """Parameters of stations evenly spread along a curve, ends included."""
+    u = station_parameters(curve, _SPACING)
     s = arc_length(curve, u)
-    count = int(np.clip(np.ceil(s[-1] / spacing), fewest, most)) + 1
+    count = int(np.clip(np.ceil(s[-1] / _SPACING), _FEWEST, _MOST)) + 1
     even = np.interp(np.linspace(0, s[-1], count), s, u)
     even[[0, -1]] = 0.0, float(curve.segments)
     return even

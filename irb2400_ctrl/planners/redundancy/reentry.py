@@ -15,14 +15,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from irb2400_ctrl.arrays import Array, Integers
-from irb2400_ctrl.planners.redundancy.ladder_graph import BRANCHES, Ladder
+from irb2400_ctrl.model.inverse_kinematics import BRANCHES
+from irb2400_ctrl.planners.redundancy.ladder_graph import ROOM, Ladder
 from irb2400_ctrl.planners.redundancy.ladder_moves import Node, Turns
 from irb2400_ctrl.planners.redundancy.singularity_margins import COMFORTABLE
 
 # margins at the stations that are tried, the largest with the fewest re-entries wins [-]
 _LEVELS = (COMFORTABLE, 0.15, 0.05)
-# kept from the ends of the joint box, so that a smoothed rotation has room [rad]
-_ROOM = np.radians(3.0)
 # a re-entry is looked for at every so many stations
 _STRIDE = 3
 
@@ -41,7 +40,7 @@ def cheapest_reentries(
     where even re-entries lead nowhere."""
     cost = functools.cache(lambda i: np.inf if i % _STRIDE else cost_of(i))
     free = functools.cache(free_of)
-    for inset in (max(ladder.inset, _ROOM), ladder.inset):
+    for inset in (max(ladder.inset, ROOM), ladder.inset):
         roomy = replace(ladder, inset=inset)
         fewest = _Sweep(roomy, shifts, 0.0, cost, free).run()
         if fewest is None:

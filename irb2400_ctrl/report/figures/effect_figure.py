@@ -15,9 +15,9 @@ from irb2400_ctrl.measurement.prepared_log import PreparedLog, prepare
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.report.elements.plots import wide
 from irb2400_ctrl.robot import Robot, load_robot
+from irb2400_ctrl.trajectory.trajectory import RATE
 
 SECONDS = 20.0
-RATE = 250.0
 JOINTS = (2, 4, 5, 1, 3, 6)
 """in this order the first that an effect can sit on"""
 SIGNALS = {

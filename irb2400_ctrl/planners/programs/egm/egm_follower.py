@@ -14,7 +14,6 @@ from irb2400_ctrl.planners.programs.egm.egm_report import EgmError, EgmOptions, 
 from irb2400_ctrl.robot import Robot
 from irb2400_ctrl.trajectory import Trajectory
 
-_CLOCK = 1 << 32
 # no controller sends faster than this [s]
 _CYCLE = 0.004
 
@@ -148,11 +147,11 @@ class EgmFollower:
         may wrap."""
         if self._last is None:
             return 0.0
-        ahead = (message.sequence - self._last.sequence) % _CLOCK
-        if ahead == 0 or ahead > _CLOCK // 2:
+        ahead = (message.sequence - self._last.sequence) % proto.CLOCK
+        if ahead == 0 or ahead > proto.CLOCK // 2:
             return None
         self._lost += ahead - 1
-        elapsed = 1e-3 * ((message.time_ms - self._last.time_ms) % _CLOCK)
+        elapsed = 1e-3 * ((message.time_ms - self._last.time_ms) % proto.CLOCK)
         self._watch_clock(ahead, elapsed)
         if self.running and elapsed > self.options.timeout:
             raise self.failure(
@@ -168,7 +167,7 @@ class EgmFollower:
         self._standing = self._standing + ahead if elapsed == 0.0 else 0
         if not self.running:
             return
-        if elapsed > 1e-3 * _CLOCK / 2:
+        if elapsed > 1e-3 * proto.CLOCK / 2:
             raise self.failure("the controller's clock runs backwards")
         if self._standing * _CYCLE > self.options.timeout:
             raise self.failure(

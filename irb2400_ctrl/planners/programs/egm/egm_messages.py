@@ -19,6 +19,8 @@ MSGTYPE_DATA = 2
 MSGTYPE_CORRECTION = 3
 MOTORS_ON = 1
 MCI_RUNNING = 3
+CLOCK = 1 << 32
+"""the controller's numbers, its clock [ms] too, begin again there"""
 
 _VARINT = 0
 _DOUBLE = 1

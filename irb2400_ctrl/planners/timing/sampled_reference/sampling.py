@@ -22,8 +22,8 @@ FeedRatios = Callable[[TimeLaw, JointPath], "tuple[Array, Array] | None"]
 # between rows swings above it is about a seventh of the first
 _PER_ROW = 0.2
 _PER_SECOND = 50.0
-# beginnings of the rows that are looked at
-_PHASES = 4
+PHASES = 4
+"""beginnings of the rows that are looked at"""
 
 
 @dataclass(frozen=True)
@@ -75,8 +75,8 @@ class Sampling:
         """
         n = path.n
         found = np.zeros((len(s) - 1, 2 * n + 1))
-        for part in range(_PHASES):
-            reference = self.reference(law, path, part / _PHASES / self.rate)
+        for part in range(PHASES):
+            reference = self.reference(law, path, part / PHASES / self.rate)
             bounds = reference.bounds(dynamics, limits)
             rows = reference.rows.time
             ratio = np.zeros((len(rows) - 1, 2 * n + 1))

@@ -18,14 +18,12 @@ from irb2400_ctrl.planners.timing.sampled_reference.excerpt import Excerpt
 from irb2400_ctrl.planners.timing.sampled_reference.local_slowing import slowing
 from irb2400_ctrl.planners.timing.sampled_reference.reference_bounds import ReferenceBounds
 from irb2400_ctrl.planners.timing.sampled_reference.sampled_reference import SampledReference
-from irb2400_ctrl.planners.timing.sampled_reference.sampling import Sampling
+from irb2400_ctrl.planners.timing.sampled_reference.sampling import PHASES, Sampling
 from irb2400_ctrl.planners.timing.task_path import TaskPath
 from irb2400_ctrl.planners.timing.time_law import TimeLaw
 from irb2400_ctrl.system import give_back_freed
 
 _ROUNDS = 20
-# beginnings of the rows that are looked at
-_PHASES = 4
 # a ratio to a limit that slowing down is not tried on
 _HOPELESS = 3.0
 # how many times slower a motion is made around a row at once
@@ -230,8 +228,8 @@ def _slower_where(
         spans = np.interp(places, law.s, law.time)
         rows = np.arange(np.ceil(law.duration * sampling.rate) + 2) / sampling.rate
         wanted = np.ones(len(rows) - 1)
-        for part in range(_PHASES):
-            read = Excerpt.of(law, task.joints, sampling, spans, part / _PHASES)
+        for part in range(PHASES):
+            read = Excerpt.of(law, task.joints, sampling, spans, part / PHASES)
             feed = read.feed(task, law)
             more = _wanted(read.bounds(dynamics, limits), feed, read.places.knots, limits)
             row = np.clip((read.start * sampling.rate).astype(int), 0, len(wanted) - 1)

@@ -17,6 +17,7 @@ from irb2400_ctrl.planners.toolpath.readers.gcode.flow import ERROR, Line
 from irb2400_ctrl.planners.toolpath.readers.gcode.hole_calls import HoleCall, taken_out
 from irb2400_ctrl.planners.toolpath.readers.gcode.siemens_words import (
     NAMED,
+    NUMBER,
     TO_ANGLE,
     rewritten,
     with_square_brackets,
@@ -29,8 +30,7 @@ from irb2400_ctrl.planners.toolpath.readers.gcode.variables import (
 )
 from irb2400_ctrl.planners.toolpath.readers.unread_line import UnreadLineError
 
-_NUMBER = r"([-+]?(?:\d+\.?\d*|\.\d+))"
-WORD = re.compile(rf"\s*([A-Z])\s*=?\s*{_NUMBER}")
+WORD = re.compile(rf"\s*([A-Z])\s*=?\s*{NUMBER}")
 # one word that says for itself what G90 and G91 say for a block: X=IC(10), X=AC(10)
 BY_ITSELF = tuple(f"{axis}{how}" for axis in "XYZABC" for how in ("IC", "AC"))
 # a block that the operator may skip, by one of nine switches: /G1, /2 G1
@@ -39,7 +39,7 @@ OPTIONAL = re.compile(r"/\s*(?:[1-9](?=\s*(?:[A-Z]|$)))?\s*")
 EXTENDED = (TO_ANGLE, "CR", "TURN", "RPL", "A3", "B3", "C3", "IAC", "JAC", "KAC", *BY_ITSELF)
 LETTERS = frozenset([*"ABCDFGHIJKLMNPQRSTXYZ", *EXTENDED])
 PLACES = frozenset("XYZABCIJKRQ")
-EXTENDED_WORD = re.compile(rf"\s*({'|'.join(EXTENDED)})\s*=\s*{_NUMBER}")
+EXTENDED_WORD = re.compile(rf"\s*({'|'.join(EXTENDED)})\s*=\s*{NUMBER}")
 SUBPROGRAM = re.compile(r"^\s*O\s*<|^\s*O\d+\s+(SUB|CALL|IF|WHILE|REPEAT|DO|ENDSUB)")
 UNREADABLE = (
     (

@@ -31,7 +31,7 @@ _PROGRAM = re.compile(r"[O:]\s*\d+\s*$")
 _BLOCK = re.compile(r"N\s*(\d+)")
 _THEN = re.compile(r"^\s*(?:N\d+\s*)?IF\s*(\[.*\])\s*THEN\s*(#.*)$", re.IGNORECASE)
 _PROGRAM_END = re.compile(r"(?<![A-Z])M\s*0*(?:2|30|99)(?!\d)", re.IGNORECASE)
-_COMMENT = re.compile(r"\([^()]*\)|;.*|^\s*//.*")
+COMMENT = re.compile(r"\([^()]*\)|;.*|^\s*//.*")
 ERROR = "\0error "
 """begins a line that stands for one that cannot be carried out, with what is to be said"""
 MOST_LINES = 300_000
@@ -56,7 +56,7 @@ class Flow:
         self._file = file
         self._left: dict[int, int] = {}
         """how often each repeat in hand is still to come, by its index"""
-        self._codes = [_COMMENT.sub(" ", raw).strip().upper() for _, raw in lines]
+        self._codes = [COMMENT.sub(" ", raw).strip().upper() for _, raw in lines]
         self._words = {
             at: _Word(found[1], found[2], found[3])
             for at, code in enumerate(self._codes)

@@ -9,7 +9,7 @@ import re
 from dataclasses import dataclass
 
 from irb2400_ctrl.errors import InputError
-from irb2400_ctrl.planners.toolpath.readers.expansion.drilling import HoleCycle
+from irb2400_ctrl.planners.toolpath.readers.expansion.drilling import MOST_STEPS, HoleCycle
 from irb2400_ctrl.planners.toolpath.readers.feed import Feed
 from irb2400_ctrl.planners.toolpath.readers.gcode.state import GcodeState
 
@@ -28,7 +28,6 @@ KINDS = {
 }
 # the place of _GMODE, which may count the depth at the shank instead of the tip
 AT_THE_SHANK = {"CYCLE81": 6, "CYCLE82": 6, "CYCLE83": 17}
-MOST_STEPS = 10_000
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import re
 from dataclasses import replace
 
@@ -11,11 +10,10 @@ from irb2400_ctrl.planners.toolpath.cam_program import Spindle, Tool
 from irb2400_ctrl.planners.toolpath.readers.feed import INCH, MM
 from irb2400_ctrl.planners.toolpath.readers.gcode.cycles import dwell_seconds
 from irb2400_ctrl.planners.toolpath.readers.gcode.frames import PROGRAMMED
-from irb2400_ctrl.planners.toolpath.readers.gcode.state import GcodeState
+from irb2400_ctrl.planners.toolpath.readers.gcode.state import COOLANT, GcodeState
 from irb2400_ctrl.planners.toolpath.readers.program_builder import ProgramBuilder
 
 STOPS = {0: "stop", 1: "optional stop", 60: "pallet change"}
-COOLANT = {7: "mist", 8: "flood", 9: "off"}
 SUBPROGRAMS = {97, 98, 198}
 BEGIN = re.compile(r"begin operation\s*:\s*(.*)", re.IGNORECASE)
 FINISH = re.compile(r"finish operation", re.IGNORECASE)
@@ -56,7 +54,7 @@ class GcodeMachine:
                 raise InputError(f"{builder.place}: S{values['S']}, expected at least zero")
             state.spindle_speed = values["S"]
             if builder.spindle.speed > 0:
-                self._turn(builder.spindle.clockwise)
+                builder.set_spindle(state.spindle(builder.spindle.clockwise))
         for function in functions:
             self._function(function)
         for order in orders:
@@ -156,16 +154,12 @@ class GcodeMachine:
         known = builder.tool if builder.tool_described else Tool()
         builder.change_tool(replace(known, number=self._state.next_tool))
 
-    def _turn(self, clockwise: bool) -> None:
-        speed = 2 * math.pi * self._state.spindle_speed / 60
-        self._builder.set_spindle(Spindle(speed, clockwise))
-
     def _function(self, function: int) -> None:
         builder = self._builder
         if function in {3, 4}:
-            self._turn(function == 3)
+            builder.set_spindle(self._state.spindle(function == 3))
         elif function in {13, 14}:
-            self._turn(function == 13)
+            builder.set_spindle(self._state.spindle(function == 13))
             builder.set_coolant("flood")
         elif function == 5:
             builder.set_spindle(Spindle(0.0, builder.spindle.clockwise))

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import re
 
-_NUMBER = r"([-+]?(?:\d+\.?\d*|\.\d+))"
+NUMBER = r"([-+]?(?:\d+\.?\d*|\.\d+))"
 # an angle to turn to, in G91 too: C=DC(30), C=AC(30)
 TO_ANGLE = "TOANGLE"
 # transformation, acceleration, feed, compression, dynamics, look-ahead, approach, protected zones
@@ -22,7 +22,7 @@ NAMED = re.compile(
 # acceleration
 _SETTINGS = re.compile(
     r"(?<![A-Z_])(?:(?:ADIS(?:POS)?|[ACO]TOL|OVRRAP|OVR(?=\s*=\s*100(?!\d))|STAT|TU)|"
-    rf"(?:JERKLIM|VELOLIM|ACCLIM|ACC|OVRA|FGREF)\s*\[\s*\w+\s*\])\s*=\s*(?:{_NUMBER}|'\w+')",
+    rf"(?:JERKLIM|VELOLIM|ACCLIM|ACC|OVRA|FGREF)\s*\[\s*\w+\s*\])\s*=\s*(?:{NUMBER}|'\w+')",
     re.IGNORECASE,
 )
 # G75 alone with axes at zero: words with numbers are a cycle of other controls
@@ -35,14 +35,14 @@ _REWRITTEN = (
     (re.compile(r'\bMSG\s*\(\s*"([^"]*)"\s*\)', re.IGNORECASE), r"(MSG, \1)"),
     (re.compile(r"\bMSG\s*\(\s*\)", re.IGNORECASE), ""),
     (re.compile(r'\bT\s*=\s*"([^"]*)"', re.IGNORECASE), r"(TC: \1)"),
-    (re.compile(rf"\b([IJK])\s*=\s*AC\s*\(\s*{_NUMBER}\s*\)", re.IGNORECASE), r"\1AC=\2"),
+    (re.compile(rf"\b([IJK])\s*=\s*AC\s*\(\s*{NUMBER}\s*\)", re.IGNORECASE), r"\1AC=\2"),
     (re.compile(r"\bCYCLE832\s*\([^()]*\)", re.IGNORECASE), ""),
     (
-        re.compile(rf"\b([ABC])\s*=\s*(?:DC|AC[PN]?)\s*\(\s*{_NUMBER}\s*\)", re.IGNORECASE),
+        re.compile(rf"\b([ABC])\s*=\s*(?:DC|AC[PN]?)\s*\(\s*{NUMBER}\s*\)", re.IGNORECASE),
         rf"\1=\2 {TO_ANGLE}=1",
     ),
     (
-        re.compile(rf"\b([XYZABC])\s*=\s*(IC|AC)\s*\(\s*{_NUMBER}\s*\)", re.IGNORECASE),
+        re.compile(rf"\b([XYZABC])\s*=\s*(IC|AC)\s*\(\s*{NUMBER}\s*\)", re.IGNORECASE),
         r"\1=\3 \1\2=1",
     ),
     # the blank for the simulation, the main spindle

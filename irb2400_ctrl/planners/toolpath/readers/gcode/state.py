@@ -9,10 +9,13 @@ import numpy as np
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.planners.toolpath.cam_program import Spindle
 from irb2400_ctrl.planners.toolpath.readers.feed import INCH, MM, Feed
 
 AXES = "XYZ"
 ROTARY = "ABC"
+COOLANT = {7: "mist", 8: "flood", 9: "off"}
+"""by the number of M"""
 # first and second axis of the plane, and its normal, so that G3 turns right-handed about the normal
 PLANES = {17: (0, 1, 2), 18: (2, 0, 1), 19: (1, 2, 0)}
 
@@ -63,6 +66,10 @@ class GcodeState:
     """words of the canned cycle in force; lengths in metres"""
     before_cycle: int | None = None
     """G0 or G1, as it was in force before the cycle"""
+
+    def spindle(self, clockwise: bool) -> Spindle:
+        """The spindle turning as fast as S says."""
+        return Spindle(2 * math.pi * self.spindle_speed / 60, clockwise)
 
     @property
     def tilt(self) -> Array:

@@ -12,7 +12,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 from irb2400_ctrl.errors import InputError
-from irb2400_ctrl.planners.toolpath.readers.gcode.flow import Flow, Line
+from irb2400_ctrl.planners.toolpath.readers.gcode.flow import COMMENT, Flow, Line
 from irb2400_ctrl.planners.toolpath.readers.gcode.variables import ENTER, LEAVE, Variables
 
 _NUMBERED = re.compile(r"^\s*(?:/\s*)?[O:]\s*(\d+)\s*(?:$|[(<;])", re.IGNORECASE)
@@ -34,7 +34,6 @@ _NAMED = re.compile(
     r'^\s*(?:N\d+\s*)?(?:CALL\s+"(\w+)"|([A-Z_]\w+))\s*(?:P\s*=?\s*(\d+))?\s*$', re.IGNORECASE
 )
 _RETURN = re.compile(r"M0*(?:99|17)(?!\d)|\bRET\b", re.IGNORECASE)
-_COMMENT = re.compile(r"\([^()]*\)|;.*|^\s*//.*")
 DEEPEST = 10
 MOST_LINES = 2_000_000
 
@@ -115,7 +114,7 @@ def _parted(listed: list[Line]) -> _Programs:
 
 
 def _code(raw: str) -> str:
-    return _COMMENT.sub(" ", raw).strip()
+    return COMMENT.sub(" ", raw).strip()
 
 
 def _call(raw: str, programs: _Programs) -> tuple[str, int, str, str] | None:

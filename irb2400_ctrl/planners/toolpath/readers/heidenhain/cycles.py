@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from irb2400_ctrl.errors import InputError
-from irb2400_ctrl.planners.toolpath.readers.expansion.drilling import HoleCycle
+from irb2400_ctrl.planners.toolpath.readers.expansion.drilling import MOST_STEPS, HoleCycle
 from irb2400_ctrl.planners.toolpath.readers.feed import Feed
 from irb2400_ctrl.planners.toolpath.readers.gcode.state import GcodeState
 from irb2400_ctrl.planners.toolpath.readers.heidenhain.machine import PlainMachine
@@ -40,7 +40,6 @@ NOT_CARRIED_OUT = {
 }
 """what the robot does otherwise than the control"""
 _Q = re.compile(r"Q(\d+)\s*=\s*(\+?-?\s*(?:\d+\.?\d*|\.\d+)|[-+]?[A-Z]+[\d.]*)")
-MOST_STEPS = 10_000
 
 
 @dataclass(frozen=True)

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import math
 import re
 
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.planners.toolpath.cam_program import Spindle, Tool
 from irb2400_ctrl.planners.toolpath.readers.feed import INCH, Feed
-from irb2400_ctrl.planners.toolpath.readers.gcode.state import GcodeState
+from irb2400_ctrl.planners.toolpath.readers.gcode.state import COOLANT, GcodeState
 from irb2400_ctrl.planners.toolpath.readers.program_builder import ProgramBuilder
 
 _TOOL = re.compile(
@@ -18,7 +17,6 @@ _SPEED = re.compile(r"\bS\s*\+?(\d+\.?\d*)")
 _FEED = re.compile(r"\bF\s*\+?(\d+\.?\d*)")
 _LONGER = re.compile(r"\bD[LR]\d*\s*([-+]?\d*\.?\d+)")
 STOPS = {0: "stop", 1: "optional stop"}
-COOLANT = {7: "mist", 8: "flood", 9: "off"}
 # paths of rotary axes, handwheel, look-ahead, corners of compensated contours, retreat, limits
 QUIET = frozenset([2, 6, 30, 89, 91, 92, 94, 97, 98, 99, 107, 108, 116, 117, 118, 120, 126, 127])
 FEEDS = {
@@ -72,7 +70,7 @@ class PlainMachine:
         if speed := _SPEED.search(found[3]):
             self._state.spindle_speed = float(speed[1])
             if builder.spindle.speed > 0:
-                self._turn(builder.spindle.clockwise)
+                builder.set_spindle(self._state.spindle(builder.spindle.clockwise))
         if feed := _FEED.search(found[3]):
             self.tool_feed = float(feed[1])
             builder.feed = self._state.feed(self.tool_feed)
@@ -90,7 +88,7 @@ class PlainMachine:
         builder = self._builder
         for function in functions:
             if function in {3, 4, 13, 14}:
-                self._turn(function in {3, 13})
+                builder.set_spindle(self._state.spindle(function in {3, 13}))
                 if function > 4:
                     builder.set_coolant("flood")
             elif function in {7, 8}:
@@ -123,7 +121,3 @@ class PlainMachine:
                 "their tenths per turn is not known here; expected FU"
             )
         self._state.feed_mode = 95 if on else 94
-
-    def _turn(self, clockwise: bool) -> None:
-        speed = 2 * math.pi * self._state.spindle_speed / 60
-        self._builder.set_spindle(Spindle(speed, clockwise))
