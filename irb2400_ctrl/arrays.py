@@ -25,7 +25,18 @@ def norms(a: Array) -> Array:
     return np.sqrt(inner_products(a, a))
 
 
-def rotations(R: Array, within: float = 1e-6) -> Mask:
+def rotation_about(index: int, angle: float) -> Array:
+    """The rotation about x, y or z (0, 1, 2) by an angle [rad], shape (3, 3)."""
+    a = (index + 1) % 3
+    b = (index + 2) % 3
+    R = np.eye(3)
+    R[a, a] = R[b, b] = np.cos(angle)
+    R[a, b] = -np.sin(angle)
+    R[b, a] = np.sin(angle)
+    return R
+
+
+def are_rotations(R: Array, within: float = 1e-6) -> Mask:
     """Which of the matrices (..., 3, 3) are rotations: R R^T = 1, det R = 1."""
     square = np.abs(R @ np.swapaxes(R, -1, -2) - np.eye(3)).max(axis=(-2, -1)) <= within
     return np.asarray(square & (np.linalg.det(R) > 0))
@@ -35,7 +46,7 @@ def is_pose(X: Array) -> bool:
     """Whether an array is a finite pose [[R, p], [0, 0, 0, 1]] of shape (4, 4)."""
     if X.shape != (4, 4) or not np.isfinite(X).all():
         return False
-    return bool(rotations(X[:3, :3]) and np.abs(X[3] - (0, 0, 0, 1)).max() <= 1e-9)
+    return bool(are_rotations(X[:3, :3]) and np.abs(X[3] - (0, 0, 0, 1)).max() <= 1e-9)
 
 
 @contextmanager

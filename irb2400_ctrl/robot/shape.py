@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Literal, Self
 import numpy as np
 from pydantic import Field, model_validator
 
-from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.arrays import Array, rotation_about
 from irb2400_ctrl.robot.capsule_fit import capsule_around, half_sphere
 from irb2400_ctrl.robot.table import Positive, Table, Vector3
 
@@ -239,13 +239,7 @@ def pose(place_mm: Sequence[float], turn_deg: Sequence[float] = (0.0, 0.0, 0.0))
     """(4, 4) [m]: moved by `place_mm`, turned about the fixed x, then y, then z."""
     X = np.eye(4)
     for axis, angle in enumerate(np.radians(turn_deg)):
-        R = np.eye(3)
-        first = (axis + 1) % 3
-        second = (axis + 2) % 3
-        R[first, first] = R[second, second] = np.cos(angle)
-        R[second, first] = np.sin(angle)
-        R[first, second] = -np.sin(angle)
-        X[:3, :3] = R @ X[:3, :3]
+        X[:3, :3] = rotation_about(axis, angle) @ X[:3, :3]
     X[:3, 3] = np.array(place_mm) / 1e3
     return X
 

@@ -141,6 +141,10 @@ def test_work_frame_moves_points_and_axes() -> None:
     X[:3, :3] = [[0, -1, 0], [1, 0, 0], [0, 0, 1]]
     X[:3, 3] = [0.9, 0.1, 0.5]
     assert np.allclose(path.moved(X).position, [[0.9, 0.1, 0.5], [0.9, 0.2, 0.5]])
+    mirrored = X @ np.diag([1.0, 1.0, -1.0, 1.0])
+    for wrong in (X[:3], mirrored, X * np.nan):
+        with pytest.raises(InputError, match="expected a pose"):
+            path.moved(wrong)
 
 
 @settings(max_examples=40, deadline=None)

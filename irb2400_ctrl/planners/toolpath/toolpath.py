@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from irb2400_ctrl.arrays import Array, is_pose, rotations
+from irb2400_ctrl.arrays import Array, are_rotations, is_pose
 from irb2400_ctrl.errors import InputError
 
 FARTHEST = 1000.0
@@ -74,7 +74,7 @@ class ToolPath:
                 )
             object.__setattr__(self, "axis", self.axis / length[:, None])
         if self.rotation is not None:
-            wrong = ~rotations(self.rotation)
+            wrong = ~are_rotations(self.rotation)
             if wrong.any():
                 raise InputError(
                     f"{self.name}: the orientation of point {int(np.argmax(wrong)) + 1} is not a "

@@ -5,10 +5,9 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 
-import numpy as np
-
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.robot.shape import pose
 
 
 def work_frame(values_mm_deg: str | tuple[float, ...]) -> Array:
@@ -32,11 +31,7 @@ def work_frame(values_mm_deg: str | tuple[float, ...]) -> Array:
             f"work frame: found {values_mm_deg!r}, expected x,y,z,rx,ry,rz in mm and degrees, such "
             "as 900,0,400,0,0,90"
         )
-    rx, ry, rz = [math.radians(value) for value in (*values, 0.0, 0.0, 0.0)[3:6]]
-    X = np.eye(4)
-    X[:3, :3] = _turn(2, rz) @ _turn(1, ry) @ _turn(0, rx)
-    X[:3, 3] = np.array(values[:3]) / 1e3
-    return X
+    return pose(values[:3], values[3:] or (0.0, 0.0, 0.0))
 
 
 def named_frames(texts: Iterable[str]) -> dict[str, Array]:
@@ -48,29 +43,17 @@ def named_frames(texts: Iterable[str]) -> dict[str, Array]:
     """
     frames: dict[str, Array] = {}
     for text in texts:
-        name, equals, pose = text.rpartition("=")
+        name, equals, numbers = text.rpartition("=")
         key = frame_key(name)
         if not equals or not key or key in frames:
             raise InputError(
                 f"work offset: found {text!r}, expected the name of a work frame and its pose, "
                 "each once, such as G55=200,0,0,0,0,0"
             )
-        frames[key] = work_frame(pose)
+        frames[key] = work_frame(numbers)
     return frames
 
 
 def frame_key(name: str) -> str:
     """A name without blanks, in capitals: G54.1P3."""
     return "".join(name.split()).upper()
-
-
-def _turn(index: int, angle: float) -> Array:
-    """About x, y or z."""
-    first = (index + 1) % 3
-    second = (index + 2) % 3
-    R = np.eye(3)
-    R[first, first] = math.cos(angle)
-    R[second, second] = math.cos(angle)
-    R[first, second] = -math.sin(angle)
-    R[second, first] = math.sin(angle)
-    return R

@@ -9,7 +9,7 @@ import re
 
 import numpy as np
 
-from irb2400_ctrl.arrays import Array, rotations
+from irb2400_ctrl.arrays import Array, are_rotations
 from irb2400_ctrl.errors import InputError
 
 ORTHOGONAL = 1e-3
@@ -56,7 +56,7 @@ def numbers_in(text: str) -> list[float]:
 
 def _pose(R: Array, p: Array, place: str) -> Array:
     """The pose, its rotation made exact."""
-    if not rotations(R, ORTHOGONAL):
+    if not are_rotations(R, ORTHOGONAL):
         raise InputError(
             f"{place}: the axes of the frame are not at right angles, of length one and "
             f"right-handed; found {np.array2string(R, precision=4)}"

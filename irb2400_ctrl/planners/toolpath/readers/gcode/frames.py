@@ -8,9 +8,9 @@ import math
 
 import numpy as np
 
-from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.arrays import Array, rotation_about
 from irb2400_ctrl.errors import InputError
-from irb2400_ctrl.planners.toolpath.readers.gcode.rotary import rotation, tilted_plane
+from irb2400_ctrl.planners.toolpath.readers.gcode.rotary import tilted_plane
 from irb2400_ctrl.planners.toolpath.readers.gcode.state import AXES, ROTARY, GcodeState
 from irb2400_ctrl.planners.toolpath.readers.program_builder import ProgramBuilder
 
@@ -88,7 +88,7 @@ class GcodeFrames:
             else:
                 raise InputError(f"{place}: G68 without {letter}, and the tool's is not stated yet")
         X = np.eye(4)
-        X[:3, :3] = rotation(2, math.radians(values["R"]))
+        X[:3, :3] = rotation_about(2, math.radians(values["R"]))
         X[:3, 3] = centre - X[:3, :3] @ centre
         state.reframe(turned=X)
 
@@ -111,7 +111,7 @@ class GcodeFrames:
             )
         X = np.eye(4)
         if order.endswith("ROT"):
-            X[:3, :3] = rotation(2, math.radians(values.get("RPL", values.get("Z", 0.0))))
+            X[:3, :3] = rotation_about(2, math.radians(values.get("RPL", values.get("Z", 0.0))))
         else:
             X[:3, 3] = [state.unit * values.get(letter, 0.0) for letter in AXES]
         state.reframe(turned=state.turned @ X if order.startswith("A") else X)

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.arrays import Array, rotation_about
 from irb2400_ctrl.errors import InputError
 
 REFUSAL = (
@@ -72,27 +72,15 @@ class Rotary:
             )
         R = np.eye(3)
         for name, sign in self.order:
-            R = R @ rotation("ABC".index(name), sign * math.radians(degrees[name]))
+            R = R @ rotation_about("ABC".index(name), sign * math.radians(degrees[name]))
         return R
-
-
-def rotation(index: int, angle: float) -> Array:
-    """About x, y or z."""
-    c = math.cos(angle)
-    s = math.sin(angle)
-    a, b = [(1, 2), (2, 0), (0, 1)][index]
-    R = np.eye(3)
-    R[a, a] = R[b, b] = c
-    R[a, b] = -s
-    R[b, a] = s
-    return R
 
 
 def tilted_plane(values: dict[str, float], unit: float) -> Array:
     """G68.2 X Y Z I J K: origin and Euler angles z, x', z'' [deg] (Fanuc)."""
     R = np.eye(3)
     for index, letter in ((2, "I"), (0, "J"), (2, "K")):
-        R = R @ rotation(index, math.radians(values.get(letter, 0.0)))
+        R = R @ rotation_about(index, math.radians(values.get(letter, 0.0)))
     X = np.eye(4)
     X[:3, :3] = R
     X[:3, 3] = [unit * values.get(letter, 0.0) for letter in "XYZ"]

@@ -10,8 +10,8 @@ import re
 
 import numpy as np
 
+from irb2400_ctrl.arrays import rotation_about
 from irb2400_ctrl.errors import InputError
-from irb2400_ctrl.planners.toolpath.readers.gcode.rotary import rotation
 from irb2400_ctrl.planners.toolpath.readers.gcode.state import GcodeState
 from irb2400_ctrl.planners.toolpath.readers.program_builder import ProgramBuilder
 
@@ -55,7 +55,7 @@ def swivel(arguments: tuple[str, ...], state: GcodeState, builder: ProgramBuilde
         raise InputError(f"{place}: _MODE {mode} names no three axes, expected one such as 57")
     X = np.eye(4)
     for axis, angle in zip(axes, at[7:10], strict=True):
-        X[:3, :3] = X[:3, :3] @ rotation(axis - 1, math.radians(angle))
+        X[:3, :3] = X[:3, :3] @ rotation_about(axis - 1, math.radians(angle))
     turns = at[13] != 0
     if not (turns or state.turned_by_file or np.array_equal(X[:3, :3], np.eye(3))):
         raise InputError(

@@ -7,9 +7,9 @@ import re
 
 import numpy as np
 
-from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.arrays import Array, rotation_about
 from irb2400_ctrl.errors import InputError
-from irb2400_ctrl.planners.toolpath.readers.gcode.rotary import REFUSAL, Rotary, rotation
+from irb2400_ctrl.planners.toolpath.readers.gcode.rotary import REFUSAL, Rotary
 from irb2400_ctrl.planners.toolpath.readers.gcode.state import (
     AXES,
     ROTARY,
@@ -182,7 +182,7 @@ class PlainFrames:
         moved = np.eye(4)
         moved[:3, 3] = self._shift
         turned = np.eye(4)
-        turned[:3, :3] = rotation(2, math.radians(self._turn))
+        turned[:3, :3] = rotation_about(2, math.radians(self._turn))
         inner = moved @ turned if self._inside else turned
         self._state.reframe(offset=np.eye(4) if self._inside else moved, turned=inner)
 
@@ -190,5 +190,5 @@ class PlainFrames:
 def _turned(axes: str, degrees: list[float]) -> Array:
     R = np.eye(3)
     for axis, angle in zip(axes, degrees, strict=True):
-        R = R @ rotation(AXES.index(axis), math.radians(angle))
+        R = R @ rotation_about(AXES.index(axis), math.radians(angle))
     return R
