@@ -156,9 +156,8 @@ def plan_ways(
         dynamics = path_dynamics(arm, *_carried(external))
         model = dynamics.model
         scene = Scene.of(model, robot, options.cell, tool)
-        spindle = np.array((0.0, 0.0, 1.0) if robot.tool is None else robot.tool.spindle_axis)
     with clock.stage("curve"):
-        orientation = options.shaped(path, spindle, model)
+        orientation = options.shaped(path, robot.spindle_axis, model)
     with clock.stage("branch and rotation") as told:
         found = list(_counted(ways(model, orientation, scene), told))
     with clock.stage("timing") as told:

@@ -13,7 +13,7 @@ import numpy as np
 from irb2400_ctrl.arrays import one_thread
 from irb2400_ctrl.errors import InputError, UnreachableError
 from irb2400_ctrl.files import write_json
-from irb2400_ctrl.planners.linking.clearance_plane import ClearancePlane, spindle_axis
+from irb2400_ctrl.planners.linking.clearance_plane import ClearancePlane
 from irb2400_ctrl.planners.linking.link_operations import link_operations
 from irb2400_ctrl.planners.linking.link_options import LinkOptions
 from irb2400_ctrl.planners.linking.operation_runs import operation_runs, unwound_runs
@@ -217,7 +217,7 @@ def clearance_plane(
         (path_in_base(robot, placed_path(o, options), options), o.rapid)
         for o, options in zip(program.operations, asked, strict=True)
     ]
-    return ClearancePlane.over(paths, spindle_axis(robot), links.clearance, robot.upright[2])
+    return ClearancePlane.over(paths, robot.spindle_axis, links.clearance, robot.upright[2])
 
 
 def for_operation(robot: Robot, operation: Operation, options: dict[str, Any]) -> dict[str, Any]:
@@ -246,7 +246,7 @@ def for_operation(robot: Robot, operation: Operation, options: dict[str, Any]) -
         if asked == "find":
             path = operation.path.moved(cell.work_object.pose)
             axes = cell.positioner.kinematics
-            setting = upright(axes, path, spindle_axis(robot), robot.upright[2])
+            setting = upright(axes, path, robot.spindle_axis, robot.upright[2])
             first, last = np.degrees(setting.angles)
             asked = (round(float(first), 3), round(float(last), 3))
         found.update(cell=cell.on_positioner(asked), work_frame=None)

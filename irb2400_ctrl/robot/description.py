@@ -129,6 +129,12 @@ class Robot(Table):
         return _read_only(np.array(self.gravity_m_s2))
 
     @cached_property
+    def spindle_axis(self) -> Array:
+        """Direction of the tool in the TCP frame, out of the spindle, shape (3,)."""
+        axis = (0.0, 0.0, 1.0) if self.tool is None else self.tool.spindle_axis
+        return _read_only(np.array(axis))
+
+    @cached_property
     def upright(self) -> Array:
         """R_UB by the shortest turn: z of the frame U points up, against gravity, shape (3, 3). The
         identity where that of the base does, or nothing has weight; half a turn about x where the

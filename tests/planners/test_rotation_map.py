@@ -47,7 +47,7 @@ def test_each_place_is_what_the_arm_says_of_it(plan: Plan) -> None:
     found = of(plan)
     q0 = plan.trajectory.q[0]
     X0 = np.asarray(MODEL.tcp_pose(q0))
-    spindle = np.array((0.0, 0.0, 1.0) if ROBOT.tool is None else ROBOT.tool.spindle_axis)
+    spindle = ROBOT.spindle_axis
     place = np.array(START)
     seen = set()
     for k in range(0, 72, 3):

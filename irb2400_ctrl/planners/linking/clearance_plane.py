@@ -11,7 +11,6 @@ import numpy.typing as npt
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.planners.redundancy.way_out import WayOut
 from irb2400_ctrl.planners.toolpath.toolpath import ToolPath
-from irb2400_ctrl.robot import Robot
 
 Mask = npt.NDArray[np.bool_]
 
@@ -92,8 +91,3 @@ def cutting_points(rapid: Mask) -> Mask:
     found[1:] |= cut
     found[:-1] |= cut
     return found if found.any() else np.ones(len(rapid), dtype=bool)
-
-
-def spindle_axis(robot: Robot) -> Array:
-    """Direction of the tool in the TCP frame, out of the spindle, shape (3,)."""
-    return np.array((0.0, 0.0, 1.0) if robot.tool is None else robot.tool.spindle_axis)

@@ -13,7 +13,7 @@ from irb2400_ctrl.planners.certify import certify_joints
 from irb2400_ctrl.planners.clearance.clearance import unknown
 from irb2400_ctrl.planners.enclosure.path_dynamics import PathDynamics, path_dynamics
 from irb2400_ctrl.planners.enclosure.tcp_path import TcpPath
-from irb2400_ctrl.planners.linking.clearance_plane import ClearancePlane, spindle_axis
+from irb2400_ctrl.planners.linking.clearance_plane import ClearancePlane
 from irb2400_ctrl.planners.linking.raised_path import clearance_of, lowest, raised_path
 from irb2400_ctrl.planners.plan_report import law_rows
 from irb2400_ctrl.planners.redundancy.follow import Followed
@@ -87,7 +87,7 @@ def plan_joints(
     """
     dynamics = path_dynamics(robot)
     joints = raised_path(dynamics.model, q_from, q_to, plane, scene)
-    tcp = TcpPath(dynamics.model, joints, spindle_axis(robot))
+    tcp = TcpPath(dynamics.model, joints, robot.spindle_axis)
     knots = joints.knots
     followed = Followed(joints, np.arange(len(knots), dtype=float), 0.0, 0.0)
     task = TaskPath(followed, tcp, np.full(len(knots) - 1, np.inf))

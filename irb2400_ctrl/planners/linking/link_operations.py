@@ -12,7 +12,7 @@ from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.planners.joint_box import can_hold, inside_box
-from irb2400_ctrl.planners.linking.clearance_plane import ClearancePlane, spindle_axis
+from irb2400_ctrl.planners.linking.clearance_plane import ClearancePlane
 from irb2400_ctrl.planners.linking.joint_plan import JointPlan, plan_joints
 from irb2400_ctrl.planners.linking.line_plan import lead_in, retract
 from irb2400_ctrl.planners.linking.link_options import LinkOptions
@@ -199,7 +199,7 @@ class _Chain:
 
     def _way_out(self, run: Run, q: Array) -> Array:
         X = Model(run.plan.robot).tcp_pose(q)
-        axis = -X[:3, :3] @ spindle_axis(run.plan.robot)
+        axis = -X[:3, :3] @ run.plan.robot.spindle_axis
         return self.plane.way_out(X[:3, 3], axis, self.links.approach)
 
     def _add(self, kind: Kind, run: Run, piece: Plan | JointPlan | Rest, note: str = "") -> None:

@@ -12,7 +12,7 @@ from irb2400_ctrl.cell import Scene, with_tool
 from irb2400_ctrl.errors import UnreachableError
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.planners.clearance import cutting_moves
-from irb2400_ctrl.planners.linking.clearance_plane import ClearancePlane, spindle_axis
+from irb2400_ctrl.planners.linking.clearance_plane import ClearancePlane
 from irb2400_ctrl.planners.linking.link_options import LinkOptions
 from irb2400_ctrl.planners.linking.part_in_base import path_in_base, placed_path
 from irb2400_ctrl.planners.linking.run import Run
@@ -194,7 +194,7 @@ class Split:
     def way_out(self, part: Part) -> WayOut:
         """From the ends of a part up to the plane; none from those of the motion itself."""
         path = self.seen if self.moving else part.path
-        whole = self.plane.way_outs(path, self._spindle, self.links.approach)
+        whole = self.plane.way_outs(path, self.robot.spindle_axis, self.links.approach)
         begins = part.points[0] == 0
         ends = part.points[-1] == len(self.path) - 1
         return WayOut(
@@ -202,14 +202,10 @@ class Split:
             None if ends and not self.links.ends else whole.last,
         )
 
-    @property
-    def _spindle(self) -> Array:
-        return spindle_axis(self.robot)
-
     def _pieces(self, part: Part) -> list[Part]:
         """The part cut at the cheapest re-entries; in two halves, where the ladder needs none."""
         tolerance = float(self.options.get("tolerance", TOLERANCE))
-        orientation = shape_path(part.path, self._spindle, tolerance)
+        orientation = shape_path(part.path, self.robot.spindle_axis, tolerance)
         held = orientation.curve.full and not self.options.get("free_tool_rotation", True)
         u = stations(orientation)
         tool = self._beside.tool

@@ -9,7 +9,6 @@ import numpy as np
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.cell import Cell
 from irb2400_ctrl.model import Model
-from irb2400_ctrl.planners.linking.clearance_plane import spindle_axis
 from irb2400_ctrl.planners.redundancy.part_law import part_motion
 from irb2400_ctrl.planners.toolpath.cam_program import Operation
 from irb2400_ctrl.planners.toolpath.task_curve import TOLERANCE, smooth_curve
@@ -32,7 +31,7 @@ def path_in_base(robot: Robot, path: ToolPath, options: dict[str, Any]) -> ToolP
     tolerance = float(options.get("tolerance", TOLERANCE))
     curve = smooth_curve(path, tolerance)
     free = bool(options.get("free_tool_rotation", True)) and path.rotation is None
-    part = part_motion(curve, spindle_axis(robot), cell, Model(robot), free)
+    part = part_motion(curve, robot.spindle_axis, cell, Model(robot), free)
     u = np.searchsorted(curve.origin, np.arange(len(path)), side="right").astype(float)
     M = part.axes.turned(part.law(u))
     return path.carried(M)

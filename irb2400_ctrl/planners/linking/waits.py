@@ -13,7 +13,6 @@ from irb2400_ctrl.model import Model
 from irb2400_ctrl.planners.clearance.clearance import unknown
 from irb2400_ctrl.planners.enclosure.path_dynamics import path_dynamics
 from irb2400_ctrl.planners.external_bounds import turn
-from irb2400_ctrl.planners.linking.clearance_plane import spindle_axis
 from irb2400_ctrl.planners.linking.run import Run
 from irb2400_ctrl.planners.plan_path import plan_ways
 from irb2400_ctrl.planners.redundancy.known_way import known_way
@@ -197,7 +196,7 @@ def _turned(run: Run) -> ToolPath:
     q = law.motion(plan.certificate.path, plan.point_times)[1]
     q[0] = plan.trajectory.q[0]
     R = Model(plan.robot).tcp_pose(q)[:, :3, :3]
-    spindle = spindle_axis(plan.robot)
+    spindle = plan.robot.spindle_axis
     stated = path.tool_axis(spindle)
     exact = np.array([_onto(-r @ spindle, axis) @ r for r, axis in zip(R, stated, strict=True)])
     exact[0] = R[0]

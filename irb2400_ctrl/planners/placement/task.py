@@ -91,8 +91,7 @@ def task_of(
         name = cell.tool_of(operation.tool.number, operation.tool.name)
     held = None if cell is None or name is None else cell.tool(name)
     model = Model(robot if held is None else with_tool(robot, held))
-    spindle = np.array((0.0, 0.0, 1.0) if robot.tool is None else robot.tool.spindle_axis)
-    orientation = shape_path(operation.path, spindle, TOLERANCE)
+    orientation = shape_path(operation.path, robot.spindle_axis, TOLERANCE)
     scene = Scene.of(model, robot, cell, held)
     none = np.empty(0)
     return Task(

@@ -23,8 +23,9 @@ def from_below(robot: Robot, program: CamProgram, frame: Array | None) -> str | 
     """
     if not program.operations:
         return None
-    spindle = np.array((0.0, 0.0, 1.0) if robot.tool is None else robot.tool.spindle_axis)
-    axes = np.concatenate([operation.path.tool_axis(spindle) for operation in program.operations])
+    axes = np.concatenate(
+        [operation.path.tool_axis(robot.spindle_axis) for operation in program.operations]
+    )
     up = robot.upright[2] if frame is None else robot.upright[2] @ frame[:3, :3]
     if (axes @ up).max() > -STEEP:
         return None

@@ -48,10 +48,8 @@ def _straight_back(model: Model, q: Array, length: float, option: str) -> Array:
     """Rows away from the part, the farthest last, without q itself, shape (m, 6)."""
     if length == 0:
         return np.empty((0, 6))
-    tool = model.robot.tool
-    axis = np.array((0.0, 0.0, 1.0) if tool is None else tool.spindle_axis)
     X = model.tcp_pose(q)
-    back = -X[:3, :3] @ axis
+    back = -X[:3, :3] @ model.robot.spindle_axis
     rows = [q]
     for way in np.linspace(0.0, length, int(np.ceil(length / _STEP)) + 1)[1:]:
         X_k = X.copy()
