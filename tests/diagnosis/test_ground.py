@@ -110,3 +110,18 @@ def test_what_was_judged_is_not_judged_again_once_a_name_is_refused(
 def test_laws_without_a_name_are_one_for_each_joint() -> None:
     assert named(explanation("a", 2, name="a of 2")) == ("a", 2, "a of 2")
     assert named(explanation("unexplained", 2, False, name="q")) == ("unexplained", 2, "")
+
+
+@pytest.mark.parametrize(
+    ("name", "said"),
+    [("n1", ["n2"]), ("n1 of every joint", ["n2", "n1"])],
+)
+def test_what_all_joints_do_not_have_none_of_them_has(
+    monkeypatch: pytest.MonkeyPatch, name: str, said: list[str]
+) -> None:
+    """A liquid at the tool was a delay of the arm, then of two of its joints, each so
+    (0.94, third plant 20261841 outside 5); offsets of every joint have a size each, and one may
+    be left."""
+    told = Told(monkeypatch)
+    refused = {named(explanation("n1", None, name=name))}
+    assert [kind for kind in told.best(refused) if kind in ("n1", "n2")] == said

@@ -65,7 +65,7 @@ class Ground:
         """The most promising candidates, each judged under its own noise, best first; without those
         of `refused` names."""
         criteria = self.threshold.criteria
-        ranked = [c for c in self.ranked if named(c) not in refused]
+        ranked = [c for c in self.ranked if not _is_refused(c, refused)]
         listed = shortlist(ranked, criteria.shortlist, criteria.lowest)
         chosen = self.comparison.chosen
         rattling = next((c for c in ranked if self.load_changes.rattles(c, chosen)), None)
@@ -73,13 +73,20 @@ class Ground:
             listed.append(rattling)
         short = [self._between(c) for c in listed]
         joints = frozenset(c.joint for c in [c for c in ranked if c.known][:JOINTS_OF])
-        short += [c for c in self._part_of_the_time(joints) if named(c) not in refused]
+        short += [c for c in self._part_of_the_time(joints) if not _is_refused(c, refused)]
         return sorted(map(self._told, short), key=lambda one: -one.evidence)
 
 
 def named(candidate: Candidate) -> Name:
     """What a candidate is called; flexible laws of one joint are one."""
     return candidate.kind, candidate.joint, candidate.name if candidate.known else ""
+
+
+def _is_refused(candidate: Candidate, refused: Collection[Name]) -> bool:
+    """Whether a candidate is of `refused` names: where one number for all joints was not borne out
+    (a liquid at the tool looks like a delay), the same number of one joint is no more."""
+    for_all = (candidate.kind, None, candidate.name)
+    return named(candidate) in refused or (candidate.known and for_all in refused)
 
 
 def shortlist(ranked: Sequence[Candidate], count: int, least: float) -> list[Candidate]:
