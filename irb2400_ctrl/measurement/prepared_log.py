@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 from scipy.ndimage import uniform_filter1d
@@ -18,6 +19,7 @@ from irb2400_ctrl.measurement.motion.servo import followed
 from irb2400_ctrl.measurement.time_base import with_time_base
 from irb2400_ctrl.measurement.torque_filter import TorqueFilter, find_torque_filter
 from irb2400_ctrl.measurement.uniform import (
+    HALF_WINDOW,
     LowPass,
     UniformLog,
     derivative_margin,
@@ -185,6 +187,8 @@ def prepare(log: Log, rate: float | None = None) -> PreparedLog:
         raise InputError(f"{log.name}: found {log.duration:.2f} s of data, expected at least 2 s")
     gap = widened(~uniform.valid, margin)[inside]
     still = _standstill(qd, uniform.step) | _stick_slip(uniform.tau[inside], qd, uniform.step)
+    if not instrumented:
+        still |= _rocking(qd, uniform.step)
     determined = ~(still | gap[:, None])
     if not instrumented:
         # a joint that really sticks does so while it should creep, and smoothing reaches that far
@@ -279,6 +283,18 @@ def _left_of_noise(log: UniformLog, recorded: Log) -> float:
 def _standstill(qd: Array, step: float) -> Mask:
     """Samples in stretches of at least STILL_TIME with a speed below STILL_SPEED, per joint."""
     return _lasting(np.abs(qd) < STILL_SPEED, round(STILL_TIME / step))
+
+
+def _rocking(qd: Array, step: float) -> Mask:
+    """Samples between two turns of a joint that are nearer than the smoothing of its angles tells
+    apart: when its dry friction turned over is not known, shape (m, n)."""
+    found = np.zeros(qd.shape, dtype=np.bool_)
+    for j in range(qd.shape[1]):
+        turns = np.flatnonzero(np.diff(qd[:, j] > 0.0))
+        for first, last in pairwise(turns):
+            if last - first <= round(2 * HALF_WINDOW / step):
+                found[first : last + 2, j] = True
+    return found
 
 
 def _lasting(found: Mask, least: int) -> Mask:

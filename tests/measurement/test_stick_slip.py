@@ -70,3 +70,27 @@ def test_the_rows_of_the_fit_leave_it_out_too() -> None:
     inside = (motion.row_time > 4.3) & (motion.row_time < 5.7)
     assert not motion.row_known[inside, 0].any()
     assert motion.row_known[inside, 1].all()
+
+
+def turning(swing: float, commanded: bool = False) -> np.ndarray:
+    """Which rows of two joints are known around a turn at 6 s, where the first swings by `swing`
+    [rad] and back within what its angles are smoothed over, as a poor servo does when its dry
+    friction turns over."""
+    smooth = -0.5 * np.cos(2.0 * (TIME - 6.0))
+    after = TIME - 6.0
+    swinging = swing * np.exp(-((after / 0.04) ** 2)) * np.sin(2 * np.pi * 12.0 * after)
+    q = np.column_stack([smooth + swinging, *[smooth] * 5])
+    tau = 20.0 + np.random.default_rng(4).normal(0.0, 0.3, (len(TIME), 6))
+    motion = prepare(Log(TIME, q, tau, q_ref=q if commanded else None, name="drawn"))
+    there = np.abs(motion.row_time - 6.0) < 0.06
+    return motion.row_known[there][:, :2]
+
+
+def test_between_turns_that_the_smoothing_does_not_tell_apart_nothing_is_known() -> None:
+    """A sound UR10e was told a hysteresis of axis 5 at 0.95 from it."""
+    swung = turning(0.005)
+    assert not swung[:, 0].any()
+    assert swung[:, 1].all()
+    # what a single turn does is seen, and a command is known without smoothing
+    assert turning(0.0).all()
+    assert turning(0.005, commanded=True).all()
