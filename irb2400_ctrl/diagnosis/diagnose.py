@@ -127,7 +127,7 @@ def _searched(
     progress("scan")
     reversal = reversal_rows(motion)
     own = numbers_of_robot.shape[2]
-    first = Fitter(robot, bases, motion, Z[:, :, : -motion.n], reversal, own).fit([])
+    first = Fitter(robot, bases, motion, Z[:, :, : -turning.shape[2]], reversal, own).fit([])
     motion = noisy_reversals_masked(motion, bases, first, reversal)
     scan = Scan(bases, motion, load)
     plain = PlainNumbers(prior, motion.recorded_rows(numbers_of_robot), motion.at_rows(motion.qd))

@@ -13,20 +13,20 @@ from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.diagnosis.regressors.bases import Bases
 from irb2400_ctrl.measurement.prepared_log import PreparedLog
 
-STICKING_ANGLE = 5e-4
-"""[rad] over which it turns over: rolling bearings and gears have 1e-4 to 1e-3"""
+STICKING_ANGLES = (5e-4, 1.5e-3)
+"""[rad] over which it turns over: rolling bearings and gears have 1e-4 to 2e-3, one after another"""
 
 
 def sticking_contacts(bases: Bases, motion: PreparedLog, friction: Array) -> Array:
-    """Columns F_j (z_j - sgn qd_j) with z of a Dahl model as narrow as `STICKING_ANGLE`, shape (m,
-    n, n) [Nm].
+    """Columns F_j (z_jk - sgn qd_j) with z_jk of Dahl models as narrow as `STICKING_ANGLES`, shape
+    (m, n, n k), joint by joint [Nm].
 
     Args:
         friction: dry friction F of each joint, or how much it may have, shape (n,) [Nm].
     """
-    columns = np.zeros((len(motion.time), motion.n, motion.n))
-    width = [{"width_rad": STICKING_ANGLE}]
+    columns = np.zeros((len(motion.time), motion.n, motion.n, len(STICKING_ANGLES)))
+    widths = [{"width_rad": angle} for angle in STICKING_ANGLES]
     for j in range(motion.n):
-        (law,) = bases.columns("hysteresis", j + 1, motion, width, filtered=False)
-        columns[:, j, j] = friction[j] * law.values[:, 0].sum(axis=1)
-    return columns
+        for k, law in enumerate(bases.columns("hysteresis", j + 1, motion, widths, filtered=False)):
+            columns[:, j, j, k] = friction[j] * law.values[:, 0].sum(axis=1)
+    return columns.reshape(len(motion.time), motion.n, -1)
