@@ -99,16 +99,17 @@ def run() -> None:
     try:
         app()
     except InputError as error:
-        _stop(2, str(error))
+        _stop(2, str(error), error)
     except IrbError as error:
-        _stop(1, str(error))
+        _stop(1, str(error), error)
     except BrokenPipeError:
         # the reader of our output (head, less) has gone: not an error of ours
         sys.exit(0)
-    except MemoryError:
-        _stop(1, "the memory of this machine was not enough; nothing half-written is left")
+    except MemoryError as error:
+        _stop(1, "the memory of this machine was not enough; nothing half-written is left", error)
     except OSError as error:
-        _stop(1, f"{_told(error)}; nothing half-written is left; check room and permissions")
+        told = f"{_told(error)}; nothing half-written is left; check room and permissions"
+        _stop(1, told, error)
     except Exception as error:
         _last_resort(error)
 
@@ -118,8 +119,9 @@ def _told(error: OSError) -> str:
     return f"{place}{error.strerror or error}"
 
 
-def _stop(code: int, text: str) -> None:
-    print(f"irb2400: {text}", file=sys.stderr)
+def _stop(code: int, text: str, error: Exception) -> None:
+    """The error's text, and what `summary.answers` noted of files that are none of its result."""
+    print("\n".join([f"irb2400: {text}", *getattr(error, "__notes__", ())]), file=sys.stderr)
     sys.exit(code)
 
 
@@ -137,6 +139,7 @@ def _last_resort(error: Exception) -> None:
         f"a fault of irb2400 {VERSION} itself ({kind} in {place}: {error}). Nothing "
         "half-written is left, earlier results are untouched. Please report it with the command "
         f"line, its input and what {TRACEBACK_VARIABLE}=1 prints before the same command",
+        error,
     )
 
 

@@ -6,7 +6,7 @@ import functools
 import inspect
 import json
 import sys
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import nullcontext, redirect_stdout
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,7 +14,7 @@ from typing import Annotated, Any
 
 import typer
 
-from irb2400_ctrl.cli.command_line import answered
+from irb2400_ctrl.cli.command_line import answered, read_files
 from irb2400_ctrl.cli.config import ConfigOption
 from irb2400_ctrl.cli.options import RobotOption, settings
 from irb2400_ctrl.cli.progress import Progress, shown_as
@@ -36,6 +36,13 @@ ProgressOption = Annotated[
     Progress,
     typer.Option("--progress", help="A bar on a terminal, lines of text, or nothing."),
 ]
+
+Stamp = tuple[int, int]
+"""inode and time of the last change: a file that is written anew has others"""
+Standing = Mapping[str, frozenset[Stamp]]
+"""name in the folder -> the stamps of the file, or of the files in the folder of that name"""
+
+_NAMED = 6
 
 
 @dataclass(frozen=True)
@@ -62,7 +69,8 @@ class Summary:
 
 def answers(verb: Callable[..., Summary]) -> Callable[..., None]:
     """A command with the options that all have: `--json` (with it the lines that the verb prints
-    go to stderr), `--config`, `--progress`; and `--set` where it takes a robot."""
+    go to stderr), `--config`, `--progress`; and `--set` where it takes a robot. What an earlier run
+    left in `--out` is named."""
 
     @functools.wraps(verb)
     def run(context: typer.Context, *args: Any, as_json: bool = False, **kwargs: Any) -> None:
@@ -70,10 +78,21 @@ def answers(verb: Callable[..., Summary]) -> Callable[..., None]:
         shown_as.set(kwargs.pop("progress_as"))
         settings.set(kwargs.pop("robot_settings", None) or [])
         del kwargs["config"]
-        with redirect_stdout(sys.stderr) if as_json else nullcontext():
-            found = verb(*args, **kwargs)
+        out = kwargs.get("out")
+        before = _standing(out, read_files())
+        try:
+            with redirect_stdout(sys.stderr) if as_json else nullcontext():
+                found = verb(*args, **kwargs)
+        except Exception as error:
+            if left := _left_over(before, _standing(out)):
+                error.add_note(_says(out, left))
+            raise
         if as_json:
             print(found.text())
+        left = _left_over(before, _standing(out))
+        # a file that is put beside others says nothing of them
+        if len(left) < len(before) and list(map(Path.is_file, found.written)) != [True] and left:
+            print(f"irb2400: {_says(out, left)}", file=sys.stderr)
         if found.stop is not None:
             raise found.stop
 
@@ -107,3 +126,33 @@ def _takes_robot(signature: inspect.Signature) -> bool:
     """Whether the verb reads a robot that `load_arm` may change."""
     found = signature.parameters.get("robot")
     return found is not None and found.annotation == RobotOption
+
+
+def _standing(out: Path | None, read: Iterable[Path] = ()) -> Standing:
+    """What is in the folder now, without what the command reads; nothing where there is none."""
+    if out is None or not out.is_dir():
+        return {}
+    inputs = {path.resolve() for path in read}
+    found = {}
+    for entry in out.iterdir():
+        files = _files(entry)
+        if files and not entry.name.startswith(".") and inputs.isdisjoint(files):
+            found[entry.name] = frozenset((s.st_ino, s.st_mtime_ns) for s in map(Path.stat, files))
+    return found
+
+
+def _left_over(before: Standing, now: Standing) -> list[str]:
+    """Names of what the command has not written anew."""
+    return sorted(name for name in before if before[name] == now.get(name))
+
+
+def _says(out: Path | None, names: list[str]) -> str:
+    """One sentence about them."""
+    more = f" and {len(names) - _NAMED} more" if len(names) > _NAMED else ""
+    shown = ", ".join(names[:_NAMED])
+    return f"{out}: from before, and no result of this command: {shown}{more}"
+
+
+def _files(entry: Path) -> list[Path]:
+    entries = list(entry.iterdir()) if entry.is_dir() else [entry]
+    return [path.resolve() for path in entries if path.is_file()]
