@@ -100,9 +100,7 @@ def diagnose(
     robot = _robot_of(reference or [], robot)
     arm = load_arm(robot, uncertainty)
     if close_loop:
-        from irb2400_ctrl.controllers import controller as make_controller
-
-        make_controller(controller, arm)  # a wrong name is to be said before the long work
+        _check_controller(controller, arm, out)
     reader = Reader(columns, arm.joint_names, between)
     unseen = Reader(columns, arm.joint_names, validate_between)
     with step(f"reading {logs[0].name if len(logs) == 1 else f'{len(logs)} logs'}") as say:
@@ -164,6 +162,14 @@ def _diagnosed(
     before = read_logs(reference, Reader(columns, arm.joint_names))
     say_left_out(before.left_out)
     return diagnose_change(arm, logs, before.logs, validation)
+
+
+def _check_controller(controller: str, arm: Robot, out: Path) -> None:
+    """What is wrong with its name or its folder is to be said before the long work."""
+    from irb2400_ctrl.codegen.provenance import check_folder
+    from irb2400_ctrl.controllers import controller as make_controller
+
+    check_folder(out / "controller", make_controller(controller, arm).name)
 
 
 def _prior(arm: Robot) -> str:

@@ -6,11 +6,17 @@ No time, no path, no machine: the same block gives the same bytes each time.
 from __future__ import annotations
 
 import hashlib
+import re
 from collections.abc import Mapping
 from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
 
 from irb2400_ctrl.codegen.block import Origin
 from irb2400_ctrl.codegen.c_text import plain
+from irb2400_ctrl.errors import InputError
+
+MARK = ": generated, do not edit"
+"""behind the name of the package in the first line of every file"""
 
 
 def fingerprint(text: str) -> str:
@@ -49,8 +55,32 @@ def stamped(files: Mapping[str, str], name: str, told: Origin) -> dict[str, str]
         name: of the package.
         told: where it comes from.
     """
-    lines = [f"{name}: generated, do not edit", *(f"{what}: {which}" for what, which in told)]
+    lines = [f"{name}{MARK}", *(f"{what}: {which}" for what, which in told)]
     return {file: _comment(file, lines) + text for file, text in files.items()}
+
+
+def check_folder(out: Path, name: str) -> None:
+    """A package replaces one of its own name and nothing else.
+
+    Args:
+        out: its folder, or a new one.
+        name: of the package.
+
+    Raises:
+        InputError: files of another package, or of somebody else, would be replaced.
+    """
+    for file in (f"{name}.c", f"{name}.h", "main.c", "README.md", "CMakeLists.txt"):
+        path = out / file
+        if not path.is_file():
+            continue
+        with path.open(encoding="utf-8", errors="replace") as text:
+            marked = re.search(rf"(\w+){MARK}", text.readline())
+        if marked is None or marked[1] != name:
+            owner = f"of the package {marked[1]}" if marked else "that no package wrote"
+            raise InputError(
+                f"{path}: found a file {owner}, expected a new folder or the package {name} to "
+                "replace; give each package a folder of its own"
+            )
 
 
 def _comment(file: str, lines: list[str]) -> str:

@@ -25,7 +25,7 @@ from irb2400_ctrl.codegen.host_library import Real
 from irb2400_ctrl.codegen.machine_code.toolchain import EXACT_FLAGS, find_compiler, run_tool
 from irb2400_ctrl.codegen.package import Package
 from irb2400_ctrl.codegen.package_pages import build_files
-from irb2400_ctrl.codegen.provenance import stamped
+from irb2400_ctrl.codegen.provenance import check_folder, stamped
 from irb2400_ctrl.codegen.targets import Goal, Target, find_target
 from irb2400_ctrl.errors import ToolMissingError
 from irb2400_ctrl.files import plain, write_atomic
@@ -178,12 +178,13 @@ def export_package(
         states: number of random states to compare.
 
     Raises:
-        InputError: unknown target, or a block that has no C form.
+        InputError: unknown target, a block that has no C form, or a folder of another package.
     """
     processor = None if target == "host" else find_target(target, optimise)
     block = block if name is None else dataclasses.replace(block, name=name)
     package = Package(block, real or (processor.real if processor else "double"))
     out = Path(out_dir)
+    check_folder(out, package.name)
     builds = stamped(build_files(package.name, processor), package.name, package.provenance)
     files = package.files() | builds
     if processor:

@@ -72,10 +72,21 @@ def test_two_packages_in_one_image(tmp_path: Path) -> None:
     load = {"kind": "payload", "mass_kg": 8.0, "com_m": (0.0, 0.0, 0.1)}
     loaded = robot.model_copy(update={"effects": (load,)})
     for name, arm in (("light", robot), ("heavy", loaded)):
-        export_package(controller("gravity_pd", arm), tmp_path, name=name, states=8)
+        export_package(controller("gravity_pd", arm), tmp_path / name, name=name, states=8)
     (tmp_path / "two.c").write_text(TWO)
     cc = find_compiler().command
-    run(*cc, "-std=c99", "two.c", "light.c", "heavy.c", "-o", "two", cwd=tmp_path)
+    folders = ("-Ilight", "-Iheavy")
+    run(
+        *cc,
+        "-std=c99",
+        *folders,
+        "two.c",
+        "light/light.c",
+        "heavy/heavy.c",
+        "-o",
+        "two",
+        cwd=tmp_path,
+    )
     status, light, heavy = run("./two", cwd=tmp_path).split()
     assert status == "0"
     for found, arm in ((light, robot), (heavy, loaded)):
@@ -132,6 +143,24 @@ def test_the_same_bytes_each_time(tmp_path: Path) -> None:
         export_package(arm_block(), folder, states=8)
     names = sorted(p.relative_to(first) for p in first.rglob("*"))
     assert [(first / n).read_bytes() for n in names] == [(second / n).read_bytes() for n in names]
+
+
+def test_a_folder_belongs_to_one_package(tmp_path: Path) -> None:
+    export_package(pd_block(), tmp_path, states=8)
+    before = {path: path.read_bytes() for path in tmp_path.iterdir()}
+    with pytest.raises(InputError, match=r"of the package pd_control\b.*folder of its own"):
+        export_package(pd_block(), tmp_path, name="other", states=8)
+    assert {path: path.read_bytes() for path in tmp_path.iterdir()} == before
+    assert export_package(pd_block(), tmp_path, real="float", states=8).passed
+
+
+@pytest.mark.parametrize("name", ["README.md", "main.c", "CMakeLists.txt", "pd_control.h"])
+def test_a_package_replaces_no_file_of_yours(tmp_path: Path, name: str) -> None:
+    (tmp_path / name).write_text("mine\n")
+    with pytest.raises(InputError, match=rf"{name}: found a file that no package wrote"):
+        export_package(pd_block(), tmp_path, states=8)
+    assert [path.name for path in tmp_path.iterdir()] == [name]
+    assert (tmp_path / name).read_text() == "mine\n"
 
 
 @needs_target
