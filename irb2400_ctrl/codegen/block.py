@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from irb2400_ctrl.codegen.build import CompiledFunction, compile_function
 from irb2400_ctrl.codegen.host_library import Real
 from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.given import whole
 
 Array = NDArray[Any]
 Origin = tuple[tuple[str, str], ...]
@@ -42,11 +43,9 @@ class Field:
     """of an input: the block itself decides whether to believe it, whatever number or none it is"""
 
     def __post_init__(self) -> None:
-        if not self.name.isidentifier() or self.size < 1:
-            raise InputError(
-                f"field {self.name!r} of size {self.size}; expected a C identifier and a size of "
-                "at least 1"
-            )
+        whole(f"size of field {self.name!r}", self.size, 1)
+        if not self.name.isidentifier():
+            raise InputError(f"field {self.name!r}; expected a C identifier")
         for what in ("default", "lower", "upper"):
             values = getattr(self, what)
             if values and (len(values) != self.size or not np.all(np.isfinite(values))):

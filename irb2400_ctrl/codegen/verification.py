@@ -29,6 +29,7 @@ from irb2400_ctrl.codegen.provenance import check_folder, stamped
 from irb2400_ctrl.codegen.targets import Goal, Target, find_target
 from irb2400_ctrl.errors import ToolMissingError
 from irb2400_ctrl.files import plain, write_atomic
+from irb2400_ctrl.given import whole
 
 Array = NDArray[Any]
 STATES = 1024
@@ -182,6 +183,7 @@ def export_package(
     """
     processor = None if target == "host" else find_target(target, optimise)
     block = block if name is None else dataclasses.replace(block, name=name)
+    whole("states", states, 1)
     package = Package(block, real or (processor.real if processor else "double"))
     out = Path(out_dir)
     check_folder(out, package.name)

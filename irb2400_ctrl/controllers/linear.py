@@ -16,6 +16,7 @@ from irb2400_ctrl.codegen import Block, Field, compile_block, compile_function
 from irb2400_ctrl.controllers.margins import Margins, frequencies, margins
 from irb2400_ctrl.controllers.timing import Timing
 from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.given import finite
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.model.elasticity import elastic_data, elastic_joints, links_only, twist
 from irb2400_ctrl.model.friction import FrictionLaw
@@ -33,18 +34,22 @@ def linearize(robot: Robot, q: Array, qd: Array | None = None, tau: Array | None
         qd: [rad/s], default at rest. The links of elastic joints hang in their springs and move
             along.
         tau: [Nm], default the torque that gives no acceleration.
+
+    Raises:
+        InputError: one of them is not finite or has another shape.
     """
     import control
 
     n = robot.n
     soft = list(elastic_joints(robot))
     k = len(soft)
-    q = np.array(q, dtype=float)
-    qd = np.zeros(n) if qd is None else np.asarray(qd, dtype=float)
+    q = finite("q", q, (n,), "rad")
+    qd = np.zeros(n) if qd is None else finite("qd", qd, (n,), "rad/s")
     link, load = hanging(robot, q, qd)
     if tau is None:
         # no acceleration, viscous friction in balance
         tau = load + FrictionLaw.of(robot).viscous * qd
+    tau = finite("tau", tau, (n,), "Nm")
     x = ca.SX.sym("x", 2 * (n + k))
     u = ca.SX.sym("u", n)
     rate = arm_rate(robot, x, u)

@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike
 from irb2400_ctrl.codegen import Block, Field
 from irb2400_ctrl.codegen.block import Quantities
 from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.given import numbers
 from irb2400_ctrl.robot import Robot
 from irb2400_ctrl.robot.given import check_robot
 
@@ -89,7 +90,7 @@ def gain(robot: Robot, name: str, unit: str, doc: str, value: ArrayLike) -> Fiel
     Raises:
         InputError: neither one number nor one per joint, or a negative one.
     """
-    array = np.asarray(value, dtype=float)
+    array = numbers(name, value)
     if array.shape not in {(), (robot.n,)} or not np.isfinite(array).all() or (array < 0).any():
         raise InputError(
             f"{name} is {array.tolist()}; expected one number [{unit}] >= 0, or {robot.n} of them, "

@@ -19,6 +19,7 @@ from irb2400_ctrl.excitation.groups import AmbiguityGroup, group_called
 from irb2400_ctrl.excitation.motion_design import ENOUGH, Budget, Design, merit, standard_course
 from irb2400_ctrl.excitation.pair_separability import CLEAR, Separability
 from irb2400_ctrl.excitation.room import with_room
+from irb2400_ctrl.given import whole
 from irb2400_ctrl.measurement.prepared_log import PreparedLog
 from irb2400_ctrl.measurement.uniform import LowPass, Recorders
 from irb2400_ctrl.robot import Robot
@@ -95,7 +96,14 @@ def _excited(
             )
         reasons, ceilings = _limits_of_motion(alternatives, standard)
         wanted = _wanted_distances(ceilings)
-        design = Design(workshop, alternatives, wanted, seconds, np.random.default_rng(seed), joint)
+        design = Design(
+            workshop,
+            alternatives,
+            wanted,
+            seconds,
+            np.random.default_rng(whole("seed", seed)),
+            joint,
+        )
         pieces = design.run(budget, progress)
         progress("joining the pieces")
         course, _ = workshop.filling(pieces, design.duration, seconds)

@@ -19,6 +19,7 @@ from irb2400_ctrl.excitation.friction_runs import FrictionRuns, friction_runs
 from irb2400_ctrl.excitation.motion_design import Budget, Design, standard_course
 from irb2400_ctrl.excitation.room import with_room
 from irb2400_ctrl.files import write_atomic, write_json
+from irb2400_ctrl.given import whole
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.planners.programs.rapid.rapid_options import RapidOptions
 from irb2400_ctrl.planners.programs.rapid.rapid_program import rapid_program
@@ -163,7 +164,7 @@ def _planned(
         standard = workshop.recorded(standard_course(workshop, seconds), "standard")
         information = BaseInformation(robot, standard)
         wanted = np.full(information.count, np.inf)
-        rng = np.random.default_rng(seed)
+        rng = np.random.default_rng(whole("seed", seed))
         design = Design(workshop, information, wanted, seconds, rng)
         pieces = design.run(budget, progress)
         progress("joining the pieces")

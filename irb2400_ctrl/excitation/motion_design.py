@@ -13,6 +13,7 @@ from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InfeasibleError
 from irb2400_ctrl.excitation.assemble import Workshop
 from irb2400_ctrl.excitation.segments import FLAVOURS, Piece, drawn, mutated
+from irb2400_ctrl.given import whole
 from irb2400_ctrl.measurement.prepared_log import PreparedLog
 from irb2400_ctrl.trajectory import Trajectory
 
@@ -31,6 +32,11 @@ class Budget:
     pool: int = 72
     rounds: int = 2
     mutations: int = 24
+
+    def __post_init__(self) -> None:
+        whole("pool", self.pool, 1)
+        whole("rounds", self.rounds)
+        whole("mutations", self.mutations)
 
 
 @dataclass(frozen=True)

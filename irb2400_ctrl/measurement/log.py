@@ -11,6 +11,7 @@ import numpy.typing as npt
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.given import numbers
 
 MIN_RATE = 10.0
 """[Hz] below this the torque of a moving arm is not resolved"""
@@ -53,8 +54,8 @@ class Log:
     def __post_init__(self) -> None:
         for key in ("time", "q", "tau", "qd", "q_ref"):
             value = getattr(self, key)
-            if value is not None:
-                object.__setattr__(self, key, _own(value))
+            if value is not None or key in ("time", "q", "tau"):
+                object.__setattr__(self, key, _own(f"{self.name}, {key}", value))
         object.__setattr__(self, "extra", MappingProxyType(dict(self.extra)))
         self._check()
 
@@ -160,9 +161,9 @@ def _unit_of(rate: float) -> str:
     return "Milliseconds are time_ms"
 
 
-def _own(value: Array) -> Array:
+def _own(name: str, value: Array) -> Array:
     """The array itself where nobody can write to it, else a copy of it."""
-    array = np.asarray(value, dtype=float)
+    array = numbers(name, value)
     if array.flags.writeable or not array.flags.owndata:
         array = np.array(array)
         array.setflags(write=False)

@@ -16,6 +16,7 @@ from scipy.sparse import csr_matrix
 
 from irb2400_ctrl.arrays import Array, Mask
 from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.given import positive
 from irb2400_ctrl.measurement.log import Log
 from irb2400_ctrl.measurement.torque_filter import TorqueFilter
 
@@ -66,9 +67,11 @@ def resample(log: Log, rate: float | None = None) -> UniformLog:
             before.
 
     Raises:
-        InputError: less than two seconds of data, or more than a grid may hold.
+        InputError: a rate that is not positive, less than two seconds of data, or more than a grid
+            may hold.
     """
-    rate = float(np.clip(log.rate, MIN_GRID, MAX_RATE)) if rate is None else rate
+    own = float(np.clip(log.rate, MIN_GRID, MAX_RATE))
+    rate = own if rate is None else positive("rate", rate, "Hz")
     # 249.99 Hz from printed times means 250 Hz
     step = 1.0 / (round(rate, 1) if abs(rate - round(rate)) < 0.05 * rate else rate)
     if log.duration < 2.0:

@@ -10,6 +10,7 @@ import numpy as np
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.effects import Effect
 from irb2400_ctrl.errors import InputError, UnreachableError
+from irb2400_ctrl.given import finite, numbers
 from irb2400_ctrl.model.branch_solver import BranchSolver, branch_solver
 from irb2400_ctrl.model.functions import FUNCTIONS
 from irb2400_ctrl.model.inverse_kinematics import Branches
@@ -177,7 +178,9 @@ class Model(SymbolicArm):
             InputError: not a pose, or the arm has not six axes.
             UnreachableError: no branch reaches the pose inside the joint box; says by how much.
         """
-        X = np.asarray(X_BT, dtype=float)
+        X = numbers("pose", X_BT)
+        if seed is not None:
+            seed = finite("seed", seed, (self.robot.n,), "rad")
         if X.shape != (4, 4):
             raise _no_pose(X)
         q = self._branch_solver.inside(X, seed)
@@ -186,13 +189,20 @@ class Model(SymbolicArm):
                 raise _no_pose(X)
             raise UnreachableError(self._why_unreachable(X @ self._X_TF, seed))
         if seed is not None:
-            q = q[np.argsort(np.abs(q - np.asarray(seed, dtype=float)).max(axis=1), kind="stable")]
+            q = q[np.argsort(np.abs(q - seed).max(axis=1), kind="stable")]
         return q
 
     def inverse_kinematics_branches(self, X_BT: Array, seed: Array | None = None) -> Branches:
         """The geometric branches of m poses (m, 4, 4), joint box not regarded, no whole turns:
-        eight in a fixed order from a closed form."""
-        return self._branch_solver.many(np.asarray(X_BT, dtype=float) @ self._X_TF, seed)
+        eight in a fixed order from a closed form.
+
+        Raises:
+            InputError: no poses.
+        """
+        X = numbers("poses", X_BT)
+        if X.ndim != 3 or X.shape[1:] != (4, 4):
+            raise InputError(f"poses: found an array of shape {X.shape}, expected (m, 4, 4)")
+        return self._branch_solver.many(X @ self._X_TF, seed)
 
     @cached_property
     def _branch_solver(self) -> BranchSolver:

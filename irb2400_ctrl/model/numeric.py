@@ -11,6 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.given import numbers
 from irb2400_ctrl.symbolic import Walk
 from irb2400_ctrl.symbolic.vectorised import OnArrays
 
@@ -43,7 +44,7 @@ def evaluate(
     if any(isinstance(value, ca.SX | ca.MX) for value in inputs):
         symbolic: Any = function(*inputs, *constants)
         return cast(Value, symbolic)
-    arrays: list[Any] = [np.asarray(value, dtype=float) for value in inputs]
+    arrays: list[Any] = [numbers(function.name(), value) for value in inputs]
     many = max(array.ndim for array in arrays) == 2
     count = max((len(array) for array in arrays if array.ndim == 2), default=1)
     for position, array in enumerate(arrays):
@@ -58,8 +59,8 @@ def evaluate(
         return cast(Value, _one(function, [*arrays, *(np.array([c]) for c in constants)], matrix))
     columns = [np.broadcast_to(array, (count, array.shape[-1])) for array in arrays]
     columns += [np.full((count, 1), value) for value in constants]
-    numbers: Any = _many(function, columns, count)
-    return cast(Value, numbers if matrix else numbers[:, :, 0])
+    found: Any = _many(function, columns, count)
+    return cast(Value, found if matrix else found[:, :, 0])
 
 
 def _many(function: ca.Function, inputs: list[Any], count: int) -> Any:

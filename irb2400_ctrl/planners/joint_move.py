@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InfeasibleError, InputError
+from irb2400_ctrl.given import numbers, positive
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.planners.joint_box import can_hold, inside_box, outside_box
 from irb2400_ctrl.robot import Robot
@@ -111,8 +112,7 @@ def joint_move(
     acceleration = _vector(
         "qdd_start", np.zeros(robot.n) if qdd_start is None else qdd_start, robot.n
     )
-    if not (np.isfinite(rate) and rate > 0):
-        raise InputError(f"rate is {rate}, expected a positive number of rows per second")
+    positive("rate", rate, "rows per second")
     for name, q in (("q_start", start), ("q_target", target)):
         inside_box(model, name, q)
         can_hold(model, name, q)
@@ -135,7 +135,7 @@ def joint_move(
 def _vector(name: str, value: ArrayLike, n: int, positive: bool = False) -> Array:
     """`value` as a finite vector of length n: ruckig itself would take any length without a
     word."""
-    array = np.array(value, dtype=float)
+    array = numbers(name, value)
     if array.shape != (n,):
         raise InputError(f"{name} has shape {array.shape}, expected ({n},): one value per axis")
     if not np.isfinite(array).all():

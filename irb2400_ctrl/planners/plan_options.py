@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
-
-import numpy as np
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.cell import Cell, CellTool
 from irb2400_ctrl.cell.external_axes import ExternalAxes
 from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.given import positive
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.planners.redundancy.cutting_load import CuttingLoad
 from irb2400_ctrl.planners.redundancy.part_law import part_motion
@@ -48,12 +48,13 @@ class PlanOptions:
     """whether other tool rotations are looked at all along the path"""
 
     def __post_init__(self) -> None:
-        if not np.isfinite(self.rate) or self.rate <= 0:
+        positive("rate", self.rate, "rows per second")
+        positive("tolerance", self.tolerance, "m")
+        # zero asks for the stated orientation itself
+        if not (math.isfinite(self.axis_tolerance) and self.axis_tolerance >= 0):
             raise InputError(
-                f"rate: found {self.rate}, expected a positive number of rows per second"
+                f"axis_tolerance: found {self.axis_tolerance} rad, expected zero or more"
             )
-        if not np.isfinite(self.tolerance) or self.tolerance <= 0:
-            raise InputError(f"tolerance: found {self.tolerance} m, expected a positive length")
         if self.tool_name is not None and self.cell is None:
             raise InputError(
                 f"tool {self.tool_name!r} is one of a cell: expected a cell, too (cell=, --cell)"

@@ -3,15 +3,37 @@ stream adds."""
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, Any, Self
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import (
+    BaseModel,
+    ConfigDict,
+    Field,
+    ModelWrapValidatorHandler,
+    ValidationError,
+    model_validator,
+)
+
+from irb2400_ctrl.errors import InputError
 
 NotNegative = Annotated[float, Field(ge=0)]
 
 
 class _Instrument(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+    @model_validator(mode="wrap")
+    @classmethod
+    def _in_plain_words(cls, given: Any, read: ModelWrapValidatorHandler[Self]) -> Self:
+        try:
+            return read(given)
+        except ValidationError as error:
+            first = error.errors()[0]
+            names = ", ".join(cls.model_fields)
+            raise InputError(
+                f"{cls.__name__}: found {'.'.join(map(str, first['loc']))} = {first['input']!r:.60}"
+                f" ({first['msg']}); it has {names}"
+            ) from error
 
 
 class Sensors(_Instrument):
@@ -42,6 +64,21 @@ class Actuators(_Instrument):
     """time constant of the current loop"""
     saturate: bool = True
     """cut the torque at the plant's limits"""
+
+
+def check_instruments(sensors: object, actuators: object) -> None:
+    """Refuse what is neither.
+
+    Raises:
+        InputError: such as a dict of their fields.
+    """
+    for given, kind in ((sensors, Sensors), (actuators, Actuators)):
+        if not isinstance(given, kind):
+            name = kind.__name__
+            raise InputError(
+                f"{name.lower()}: found a {type(given).__name__}; expected {name}(...), with "
+                f"any of {', '.join(kind.model_fields)}"
+            )
 
 
 IDEAL_SENSORS = Sensors(encoder_step_rad=0.0, speed_filter_Hz=0.0)

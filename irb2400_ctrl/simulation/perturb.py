@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.given import whole
 from irb2400_ctrl.robot import Body, Robot, Uncertainty
 
 PLANT_SEED = 7
@@ -34,7 +35,7 @@ def perturbed_robot(
     mass, com_m, inertia, friction = (share * d for d in (mass, com_m, inertia, friction))
     if min(mass, com_m, inertia, friction) < 0:
         raise InputError("perturbed_robot: found a negative deviation; expected zero or more")
-    rng = np.random.default_rng(seed)
+    rng = np.random.default_rng(whole("seed", seed))
 
     def body(nominal: Body) -> Body:
         scale = 1 + inertia * _draw(rng, 1)[0]

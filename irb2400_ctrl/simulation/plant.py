@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from irb2400_ctrl.codegen import Block, Field
-from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.given import positive, whole
 from irb2400_ctrl.robot import Robot
 from irb2400_ctrl.simulation.effect_data import data_of
 from irb2400_ctrl.simulation.mechanics import force_effects, mass_data
@@ -45,10 +45,9 @@ def plant_block(
         friction_steps: friction steps per time step.
         sweeps: Gauss-Seidel sweeps of the dry friction per friction step.
     """
-    if min(substeps, friction_steps, sweeps) < 1:
-        found = f"{substeps} substeps, {friction_steps} friction steps, {sweeps} sweeps"
-        raise InputError(f"plant: found {found}; expected at least one of each")
-    h = sample_time / substeps
+    whole("friction_steps", friction_steps, 1)
+    whole("sweeps", sweeps, 1)
+    h = positive("sample_time", sample_time, "s") / whole("substeps", substeps, 1)
     check_step(robot, h / friction_steps)
     step = time_step(robot, h, friction_steps, sweeps, wrench)
     elastic = elastic_data(robot)

@@ -18,7 +18,7 @@ from irb2400_ctrl.robot.given import check_robot
 from irb2400_ctrl.simulation.divergence import check_finite
 from irb2400_ctrl.simulation.effect_data import data_of, structure
 from irb2400_ctrl.simulation.initial_state import InitialState
-from irb2400_ctrl.simulation.instruments import Actuators, Sensors
+from irb2400_ctrl.simulation.instruments import Actuators, Sensors, check_instruments
 from irb2400_ctrl.simulation.loop import closed_loop, encoder_zero
 from irb2400_ctrl.simulation.loop_request import (
     check_controller,
@@ -209,8 +209,9 @@ def make_loop(
         from irb2400_ctrl.controllers import controller as by_name
 
         controller = by_name(controller, robot, 1.0 / rate)
-    sensors = sensors or Sensors()
-    actuators = actuators or Actuators()
+    sensors = Sensors() if sensors is None else sensors
+    actuators = Actuators() if actuators is None else actuators
+    check_instruments(sensors, actuators)
     if substeps is None:
         needed = needed_substeps(arm, controller.sample_time)
         substeps = needed if needed <= MOST_SUBSTEPS else SUBSTEPS

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.given import numbers
 
 RATE = 250.0
 """rows of a motion per second, unless asked otherwise: what EGM takes [1/s]"""
@@ -262,7 +263,7 @@ def _frozen(values: ArrayLike) -> Array:
             owner = owner.base
         if owner is None:
             return values
-    array = np.array(values, dtype=float)
+    array = np.array(numbers("trajectory", values))
     array.setflags(write=False)
     return array
 
@@ -298,8 +299,8 @@ def from_angles(time: ArrayLike, q: ArrayLike) -> Trajectory:
     """
     from scipy.interpolate import CubicSpline
 
-    t = np.asarray(time, dtype=float)
-    angles = np.asarray(q, dtype=float)
+    t = numbers("time", time)
+    angles = numbers("q", q)
     if (
         t.ndim != 1
         or angles.ndim != 2

@@ -169,7 +169,7 @@ def test_rows_cannot_be_written(model: irb.Model) -> None:
             {"qd_start": np.radians([0, 160.0, 0, 0, 0, 0])},
             "axis 2 moves at 160.0 deg/s, expected at most 150.0",
         ),
-        ({"rate": 0.0}, "rate is 0.0"),
+        ({"rate": 0.0}, "rate: found 0.0"),
     ],
 )
 def test_wrong_input_is_refused_in_words(

@@ -191,7 +191,7 @@ def test_a_wrench_at_the_tool_acts_through_the_jacobian() -> None:
 
 
 def test_refuses_senseless_steps() -> None:
-    with pytest.raises(InputError, match="0 substeps"):
+    with pytest.raises(InputError, match="substeps: found 0"):
         plant_block(arm(), substeps=0)
 
 

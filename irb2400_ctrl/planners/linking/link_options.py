@@ -8,6 +8,7 @@ import numpy as np
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.given import numbers
 
 CLEARANCE = 0.05
 APPROACH = 0.01
@@ -35,3 +36,5 @@ class LinkOptions:
         for name, value in (("clearance", self.clearance), ("approach", self.approach)):
             if not np.isfinite(value) or value <= 0:
                 raise InputError(f"{name}: found {1e3 * value:g} mm, expected a positive length")
+        if self.start is not None and not np.isfinite(numbers("start", self.start)).all():
+            raise InputError(f"start: found {self.start}, expected finite angles [rad]")

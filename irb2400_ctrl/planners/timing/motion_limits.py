@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 from irb2400_ctrl.arrays import Array, Mask
 from irb2400_ctrl.cell.external_axes import ExternalAxes
 from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.given import numbers
 from irb2400_ctrl.planners.enclosure import bernstein
 from irb2400_ctrl.planners.enclosure.cells import Cells
 from irb2400_ctrl.robot import Robot
@@ -30,6 +31,18 @@ class MotionLimits:
     jerk: Array | None = None
     """[rad/s3]; None lets the acceleration jump"""
 
+    def __post_init__(self) -> None:
+        for name in ("qd_max", "tau_max", "qdd_max", "torque_rate", "jerk"):
+            value = getattr(self, name)
+            if value is None:
+                continue
+            limit = numbers(name, value)
+            if limit.shape != np.shape(self.qd_max) or not (limit > 0).all():
+                raise InputError(
+                    f"limits: found {name} = {value!r:.60}, expected a positive number for each "
+                    "axis of the same arm"
+                )
+
     def with_rates(self, torque_rate: ArrayLike | None, jerk: ArrayLike | None) -> MotionLimits:
         """The same with limits of torque rate [Nm/s] and jerk [rad/s3], for all axes or for each;
         inf is none.
@@ -41,7 +54,7 @@ class MotionLimits:
         for name, unit, value in (("torque_rate", "Nm/s", torque_rate), ("jerk", "rad/s3", jerk)):
             if value is None:
                 continue
-            limit = np.array(value, dtype=float)
+            limit = numbers(name, value)
             if limit.shape not in {(), self.tau_max.shape} or not (limit > 0).all():
                 raise InputError(
                     f"{name}: found {limit.tolist()} {unit}, expected a positive number, or one "

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 from irb2400_ctrl.cell.external_axes import ExternalAxes
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.extras import needed
+from irb2400_ctrl.given import whole
 from irb2400_ctrl.planners.timing.motion_limits import MotionLimits
 from irb2400_ctrl.planners.timing.sampled_reference.sampling import Sampling
 from irb2400_ctrl.robot import Robot
@@ -62,6 +63,7 @@ class TimingOptions:
                 f"torque share: found {torque_share}, expected more than 0 and at most 1 (0.9 is "
                 "90 %)"
             )
+        whole("cells", cells, 1)
         if backend not in {"certified", "toppra"}:
             raise InputError(f"timing: found {backend!r}, expected 'certified' or 'toppra'")
         if backend == "toppra":

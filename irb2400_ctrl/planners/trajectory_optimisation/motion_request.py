@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.given import numbers, positive
 from irb2400_ctrl.planners.enclosure import bernstein
 from irb2400_ctrl.planners.enclosure.path_dynamics import PathDynamics, path_dynamics
 from irb2400_ctrl.planners.redundancy.singularity_margins import NAMES
@@ -73,13 +74,15 @@ class MotionRequest:
         bounds = signed_margins(dynamics.model, W, margins or {})
         rate = None
         if torque_rate is not None:
-            rate = np.broadcast_to(np.asarray(torque_rate, dtype=float), (robot.n,))
-            if not (np.isfinite(rate) & (rate > 0)).all():
+            rate = numbers("torque_rate", torque_rate)
+            wrong = rate.shape not in {(), (robot.n,)} or not np.isfinite(rate).all()
+            if wrong or not (rate > 0).all():
                 raise InputError(
                     f"torque_rate is {rate.tolist()}, expected one positive number of Nm/s per axis"
                 )
-        if duration is not None and not duration > 0:
-            raise InputError(f"duration is {duration}, expected a positive number of seconds")
+            rate = np.broadcast_to(rate, (robot.n,))
+        if duration is not None:
+            positive("duration", duration, "s")
         longest = np.inf if duration is None else duration
         stated = MotionLimits.of(robot) if limits is None else limits
         own = None if stated.torque_rate is None else _finite(stated.torque_rate, stated.tau_max)

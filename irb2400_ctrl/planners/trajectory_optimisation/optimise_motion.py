@@ -20,7 +20,8 @@ import numpy.typing as npt
 from numpy.typing import ArrayLike
 
 from irb2400_ctrl.arrays import Array, one_thread
-from irb2400_ctrl.errors import InfeasibleError, InputError
+from irb2400_ctrl.errors import InfeasibleError
+from irb2400_ctrl.given import one_of, whole
 from irb2400_ctrl.planners.enclosure.path_dynamics import PathDynamics
 from irb2400_ctrl.planners.redundancy.singularity_margins import NAMES
 from irb2400_ctrl.planners.timing.certificate import Certificate
@@ -102,11 +103,9 @@ def optimise_motion(
     request = MotionRequest.of(robot, waypoints, objective, duration, margins, torque_rate, limits)
     if intervals is None:
         intervals = 300 if objective == "time" and request.torque_rate is None else 200
-    if objective not in ("time", "energy") or intervals < 1 or iterations < 0:
-        raise InputError(
-            f"objective {objective!r} with {intervals} intervals and {iterations} iterations, "
-            "expected time or energy, at least 1, and none or more"
-        )
+    one_of("objective", objective, ("time", "energy"))
+    whole("intervals", intervals, 1)
+    whole("iterations", iterations)
     clock = [time.perf_counter()]
     guess, at, reference = warm_start(request.dynamics, request.limits, request.waypoints, start)
     clock.append(time.perf_counter())

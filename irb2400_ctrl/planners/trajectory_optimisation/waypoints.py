@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.given import numbers
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.planners.joint_box import can_hold, inside_box
 from irb2400_ctrl.planners.redundancy.singularity_margins import NAMES
@@ -18,7 +19,7 @@ from irb2400_ctrl.planners.redundancy.singularity_margins import NAMES
 def checked_waypoints(model: Model, waypoints: ArrayLike) -> Array:
     """The way-points as an array (k, n): k > 1, inside the joint box, light enough to hold, no two
     alike in a row."""
-    W = np.array(waypoints, dtype=float)
+    W = numbers("waypoints", waypoints)
     if W.ndim != 2 or W.shape[0] < 2 or W.shape[1] != model.robot.n or not np.isfinite(W).all():
         raise InputError(
             f"waypoints of shape {W.shape}, expected two or more finite rows of {model.robot.n} "

@@ -9,6 +9,7 @@ from typing import Literal
 import numpy as np
 
 from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.given import whole
 from irb2400_ctrl.planners.programs.rapid import rapid_data as data
 from irb2400_ctrl.planners.programs.rapid.rapid_signals import RapidSignal
 
@@ -81,8 +82,8 @@ class RapidOptions:
             raise InputError(
                 f"RAPID: corner_mm is {self.corner_mm}, expected more than 0, at most 100"
             )
-        if self.moves_per_procedure < 1:
-            raise InputError("RAPID: moves_per_procedure is less than 1")
+        whole("RAPID, moves_per_procedure", self.moves_per_procedure, 1)
+        whole("RAPID, targets_per_module", self.targets_per_module)
         if self.targets_per_module != 0 and self.targets_per_module < 10:
             raise InputError(
                 f"RAPID: targets_per_module is {self.targets_per_module}, expected 0 (one module) "
