@@ -41,6 +41,7 @@ from irb2400_ctrl.measurement.text.csv_pieces import (
 from irb2400_ctrl.measurement.text.echoed_topic import echoed_names, names_joint
 from irb2400_ctrl.measurement.text.grouped_header import grouped_names
 from irb2400_ctrl.measurement.text.long_table import long_table
+from irb2400_ctrl.measurement.text.scope_export import scope_export
 from irb2400_ctrl.reading import text_blocks
 
 MOST_CELLS = 19_500_000
@@ -72,6 +73,9 @@ def read_csv_table(
         raise InputError(
             f"no log file {path}: expected a .csv or .csv.gz with time_s, q1_deg…, tau1_Nm…"
         )
+    export = scope_export(path, text)
+    if export is not None:
+        text = partial(export.rows, text=text)
     long = long_table(path, text)
     if long is not None:
         text = partial(long.rows, text=text)
@@ -90,7 +94,7 @@ def read_csv_table(
         for k, (name, cell) in enumerate(zip(header, row, strict=False))
         if cell and k not in clocks and not is_number(cell, dialect)
     }
-    first_line = None if long is not None else start + 1
+    first_line = start + 1 if long is None and export is None else None
     empty = Table(path, {}, first_line, words, headless=headless)
     if not widths and not clocks:
         with contextlib.suppress(CloserLook):

@@ -26,6 +26,10 @@ ADVICE = {
 """by suffix, what the file is and what reads instead"""
 
 
+TRACE = b"DIAEXTENDED"
+"""what the `.dat` of a KUKA trace begins with: a header of DIAdem, its samples are in a `.r64`"""
+
+
 def refuse_other_files(path: Path) -> None:
     """Refuse what is known not to be read.
 
@@ -33,6 +37,10 @@ def refuse_other_files(path: Path) -> None:
         InputError: such a file; says what to do.
     """
     advice = ADVICE.get(path.suffix.lower())
+    if path.is_file() and path.suffix.lower() == ".dat":
+        with path.open("rb") as file:
+            if file.read(len(TRACE)) == TRACE:
+                advice = f"the header of a KUKA trace; beside it are {ADVICE['.r64']}"
     if advice is not None:
         raise InputError(
             f"{path}: found {advice}; expected .csv, .xlsx, .lvm, .parquet, .mat, .npz, .h5 or a "

@@ -37,7 +37,7 @@ QUANTITIES = {
 }
 """what a name means, asked in this order"""
 TIME = re.compile(
-    r"(.*[^a-z])?(time|t|tm|tout|time_?stamps?|stamp|zeit|tick|ipoc|sec|temps|tempo|tiempo|時間|时间)"
+    r"(.*[^a-z])?(time|t|tm|tout|time_?stamps?|stamp|zeit|zeitstempel|tick|ipoc|sec|temps|tempo|tiempo|時間|时间)"
     r"([^a-z].*)?"
 )
 BARE = re.compile(r"\W*(a|j|jt|joint|jnt|axis|achse|axe|asse|eje|軸|轴|关节|関節)?\W*")
@@ -113,8 +113,9 @@ def _numbered(columns: Mapping[str, Array]) -> dict[str, list[str]]:
     found: dict[str, dict[int, str]] = {}
     for name in columns:
         for run in re.finditer(r"\d+", name):
+            zeros = run[0][: -len(str(int(run[0])))]
             # the same number again further on counts the joints as well
-            again = re.sub(rf"(?<!\d){run[0]}(?!\d)", "{j}", name[run.start() :])
+            again = re.sub(rf"(?<!\d){run[0]}(?!\d)", zeros + "{j}", name[run.start() :])
             found.setdefault(name[: run.start()] + again, {})[int(run[0])] = name
     patterns = {}
     for pattern, names in found.items():

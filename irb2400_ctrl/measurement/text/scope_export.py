@@ -1,0 +1,90 @@
+"""Text that TwinCAT Scope exports: blocks of lines about the file and about each channel, then rows
+of a time in milliseconds and the channels' values.
+
+    Name<tab>q1<tab>q2 …      SampleTime[ms]<tab>4<tab>4 …      Unit<tab>deg<tab>deg …
+    0<tab>0,105<tab>-0,2 …    (a time in front of every channel where each has its own)
+
+Without this, port and sample time are rows of a table whose columns are called `Name`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from itertools import chain
+from pathlib import Path
+
+from irb2400_ctrl.errors import InputError
+
+Text = Callable[[Path], Iterator[bytes]]
+
+_MARK = "SampleTime[ms]"
+_MOST_LINES = 60
+_TICKS = 1e12
+"""[ms] that no offset reaches: a time in ticks of Windows"""
+
+
+@dataclass(frozen=True)
+class ScopeExport:
+    """An export as a table with one header line.
+
+    Args:
+        header: its text.
+        skip: lines before the first sample.
+    """
+
+    header: str
+    skip: int
+
+    def rows(self, path: Path, text: Text) -> Iterator[bytes]:
+        """The lines of the table.
+
+        Args:
+            path: of the file.
+            text: its lines.
+        """
+        blocks = text(path)
+        first = next(blocks).split(b"\n", self.skip)[-1]
+        for block in chain([f"{self.header}\n".encode() + first], blocks):
+            # a mark at the end is no sample
+            ends = block[-8:].rstrip().endswith(b"EOF")
+            yield block.rstrip().removesuffix(b"EOF") if ends else block
+
+
+def scope_export(path: Path, text: Text) -> ScopeExport | None:
+    """Of a file with these lines; None where another recorder wrote it.
+
+    Raises:
+        InputError: channels with times of their own, or times that are no offsets.
+    """
+    lines = [line.rstrip("\r") for line in next(text(path), b"").decode().split("\n")]
+    marks = [k for k, line in enumerate(lines[:_MOST_LINES]) if line.startswith(_MARK)]
+    if not marks:
+        return None
+    separator = lines[marks[0]][len(_MARK) : len(_MARK) + 1]
+    about = [line.split(separator) for line in lines[: marks[0] + _MOST_LINES]]
+    names = next((k for k in range(marks[0], -1, -1) if about[k][0] == "Name"), None)
+    first = next((k for k in range(marks[0], len(about)) if about[k][0][:1].isdigit()), None)
+    if not separator or names is None or first is None:
+        return None
+    times = [k for k, cell in enumerate(about[names]) if cell == "Name"]
+    told = next((row for row in about[names:first] if row[0] == "Unit"), [])
+    if len(times) > 1:
+        raise InputError(
+            f"{path}: found an export of TwinCAT Scope with {len(times)} columns of time; expected "
+            "one for all channels: export it with Timelines: For each sampletime, all channels "
+            "recorded at one sample time"
+        )
+    if float(about[first][0].replace(",", ".")) > _TICKS:
+        raise InputError(
+            f"{path}: found an export of TwinCAT Scope with full time stamps; expected offsets in "
+            "milliseconds: export it without Full Timestamp"
+        )
+    units = [*told, *[""] * len(about[names])]
+    named = [_named(name, unit) for name, unit in zip(about[names], units, strict=False)]
+    return ScopeExport(separator.join(["time_ms", *named[1:]]), first)
+
+
+def _named(name: str, unit: str) -> str:
+    """With the unit of a channel whose name has none."""
+    return f"{name} [{unit}]" if unit.strip() and "_" + unit.strip() not in name else name
