@@ -14,7 +14,7 @@ from irb2400_ctrl.diagnosis.regressors.bases import Bases
 from irb2400_ctrl.measurement.prepared_log import PreparedLog
 
 STICKING_ANGLES = (5e-4, 1.5e-3)
-"""[rad] over which it turns over: rolling bearings and gears have 1e-4 to 2e-3, one after another"""
+"""[rad] over which it turns over: rolling bearings and gears have 1e-4 to 2e-3"""
 
 
 def sticking_contacts(bases: Bases, motion: PreparedLog, friction: Array) -> Array:
