@@ -202,4 +202,4 @@ def _stated(robot: Robot, place: str, name: str) -> bool:
         return True
     column = {"coulomb_Nm": 1, "viscous_Nms_rad": 2, "static_Nm": 0}[name]
     joint = int(place.split()[1]) - 1
-    return bool(robot.friction_known[joint, column] and robot.friction[joint, column] > 0)
+    return bool(robot.friction_stated[joint, column])

@@ -30,7 +30,7 @@ def with_friction_first(prior: BasePrior | IdentifiedPrior, fit: Fit) -> Fit:
     z = fit.z.copy()
     laws = []
     first = len(prior.sigmas()) - 3 * n
-    unknown = ~robot.friction_known[:, 1:3] | (robot.friction[:, 1:3] == 0.0)
+    unknown = ~robot.friction_stated[:, 1:3]
     for torque in fit.non_parametric:
         left = torque.copy()
         for j in np.flatnonzero(torque.any(axis=0)):

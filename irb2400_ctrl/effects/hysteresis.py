@@ -13,6 +13,7 @@ from pydantic import Field
 from irb2400_ctrl.effects.ambiguity import REVERSAL, Ambiguity
 from irb2400_ctrl.effects.base import Effect
 from irb2400_ctrl.effects.drawing import Drawing
+from irb2400_ctrl.effects.prior import Prior
 from irb2400_ctrl.effects.signals import Signals
 
 
@@ -29,6 +30,7 @@ class Hysteresis(Effect):
     )
     example: ClassVar[Mapping[str, Any]] = {"amplitude_Nm": 1.0, "width_rad": 0.02}
     ambiguity: ClassVar[Ambiguity] = REVERSAL
+    prior: ClassVar[Prior] = Prior(in_place_of_friction=("replaced_Nm",))
     drawing: ClassVar[Drawing] = Drawing("qd")
     states: ClassVar[tuple[str, ...]] = ("z",)
 
@@ -72,8 +74,8 @@ class Hysteresis(Effect):
     def from_coefficients(
         cls, joint: int | None, coefficients: Sequence[float], nonlinear: dict[str, float]
     ) -> Self:
-        amplitude, replaced = coefficients
-        return cls.of(joint, amplitude_Nm=amplitude, replaced_Nm=replaced, **nonlinear)
+        amplitude, *replaced = coefficients
+        return cls.of(joint, amplitude_Nm=amplitude, replaced_Nm=sum(replaced), **nonlinear)
 
     @classmethod
     def grid(cls, joint: int | None) -> list[dict[str, float]]:

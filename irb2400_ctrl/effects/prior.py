@@ -45,6 +45,8 @@ class Prior:
             leave for others to explain.
         leftover: names of the flexible laws of its joint (`comparison.non_parametric`) that take in
             what its law may leave; empty: what it leaves may look like anything.
+        in_place_of_friction: fields, the last of the coefficients, that take the place of dry
+            friction which the file states: zero and no part of the law where it states none.
         lasting: how many columns of its discrepancy, the first, say something about another motion
             or load; None: all. The others stand beside the law while one log is explained.
     """
@@ -57,6 +59,7 @@ class Prior:
     largest: Mapping[str, float] = field(default_factory=dict)
     discrepancy_share: float = 0.22
     leftover: tuple[str, ...] = ()
+    in_place_of_friction: tuple[str, ...] = ()
     lasting: int | None = None
 
     def kept(self, columns: int) -> int:

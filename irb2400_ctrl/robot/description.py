@@ -241,6 +241,13 @@ class Robot(Table):
         return known
 
     @cached_property
+    def friction_stated(self) -> npt.NDArray[np.bool_]:
+        """The same without those that it gives as zero, which no joint has."""
+        stated = self.friction_known & (self.friction > 0.0)
+        stated.setflags(write=False)
+        return stated
+
+    @cached_property
     def inertial_parameters(self) -> Array:
         """phi of each link (tool folded into the last one), about the link frames' origins, shape
         (n, 10)."""

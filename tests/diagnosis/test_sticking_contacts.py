@@ -8,6 +8,7 @@ import pytest
 from independent_plant import Case
 
 from irb2400_ctrl.diagnosis import diagnose
+from irb2400_ctrl.effects.hysteresis import Hysteresis
 from irb2400_ctrl.measurement import Log
 from irb2400_ctrl.robot import load_robot
 
@@ -36,3 +37,18 @@ def test_contacts_that_hold_over_two_milliradians_are_none(angle: float, names: 
     tau[:, 5] += 8.0 * late
     found = diagnose(ROBOT, Log(log.time, log.q, tau, qd=log.qd, q_ref=log.q_ref))
     assert [f.effect.kind for f in found.findings] == names
+
+
+def test_a_loop_is_found_beside_dry_friction_that_the_file_does_not_state() -> None:
+    """The loop's own dry part and the robot's shared that friction at will, 12 Nm of the other sign
+    beside a loop of 8, so that no width was plausible: 48 standard deviations, nothing said."""
+    log = Case(77, duration=25.0, validation_duration=3.0).simulate()[0]
+    tau = log.tau.copy()
+    tau[:, 4] += 8.0 * sliders(log.q[:, 4], 12e-3)
+    robot = ROBOT.with_unknown_friction(range(1, 7))
+    found = diagnose(robot, Log(log.time, log.q, tau, qd=log.qd, q_ref=log.q_ref))
+    (loop,) = (f.effect for f in found.findings)
+    assert isinstance(loop, Hysteresis)
+    assert loop.joint == 5
+    assert loop.replaced_Nm == 0.0
+    assert loop.amplitude_Nm == pytest.approx(8.0, rel=0.2)

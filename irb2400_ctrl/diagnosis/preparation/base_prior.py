@@ -104,7 +104,7 @@ class BasePrior:
     def dry_friction(self) -> Array:
         """Coulomb friction of each joint, as much as it may have where the file does not say it,
         shape (n,) [Nm]."""
-        known = self.robot.friction_known[:, 1] & (self.robot.friction[:, 1] > 0)
+        known = self.robot.friction_stated[:, 1]
         return np.where(known, self.robot.friction[:, 1], UNKNOWN_FRICTION * self.torque_scale)
 
     def root(self) -> Array:

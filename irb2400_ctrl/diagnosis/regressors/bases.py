@@ -95,7 +95,10 @@ class Bases:
         own: bool = False,
     ) -> tuple[list[RegressorColumns], list[RegressorColumns]]:
         """Filtered columns of basis and discrepancy of an effect with memory, from one pass over
-        its states; `own`: on its own joint alone (the first of a whole arm)."""
+        its states; `own`: on its own joint alone (the first of a whole arm).
+
+        What would take the place of dry friction that the file does not state is left out of the
+        basis: that friction is the robot's to find, and the two would share it at will."""
         if not grid:
             return [], []
         law = self._law(kind, joint, True, tuple(grid[0]), own)
@@ -103,9 +106,15 @@ class Bases:
         always = within((), motion.time)
         both = law(motion, points, True, always, law_too=True)
         split = law.k + law.free
-        basis = [c.part(slice(split, None)) for c in both]
+        basis = [c.part(slice(split, self._end(kind, joint))) for c in both]
         departures = [c.part(slice(split)) for c in both]
         return basis, departures
+
+    def _end(self, kind: str, joint: int | None) -> int | None:
+        """Where the columns end that a law has on this robot, counted from the last."""
+        instead = len(LIBRARY[kind].prior.in_place_of_friction)
+        stated = joint is None or self.robot.friction_stated[joint - 1, 1]
+        return None if stated or not instead else -instead
 
     def _law(
         self,
