@@ -27,7 +27,6 @@ class Blank:
     tau_rate: ca.SX
     tau_rates: ca.SX
     tau_jacobian: ca.SX
-    load_rate2: ca.SX
     mass_matrix: ca.SX
     state: ca.SX
 

@@ -69,10 +69,6 @@ class Signals(Protocol):
         """d tau / d q, shape (n, n) [Nm/rad]"""
 
     @property
-    def load_rate2(self) -> ca.SX:
-        """second time derivative of `load` [Nm/s2]"""
-
-    @property
     def mass_matrix(self) -> ca.SX:
         """M(q), shape (n, n) [kg m2]"""
 

@@ -7,7 +7,6 @@ from collections.abc import Sequence
 import numpy as np
 
 from irb2400_ctrl.arrays import Array, Integers
-from irb2400_ctrl.diagnosis.preparation.metrics import Errors, errors
 from irb2400_ctrl.identification.fitting.baseline import plain_least_squares
 from irb2400_ctrl.identification.fitting.columns import ColumnLayout
 from irb2400_ctrl.identification.fitting.estimate import averaged, estimate
@@ -72,11 +71,6 @@ def held_out(
             ours[place][inside] = predicted(model, found.layout, part, again.theta)[inside]
             plain[place][inside] = predicted(model, bare, part, shortest)[inside]
     return ours, plain
-
-
-def errors_of(part: Recording, prediction: Array) -> Errors:
-    """Eqs. 75-77 where the torque is known."""
-    return errors(part.motion.tau, prediction, part.motion.known)
 
 
 def slowly_left(results: Sequence[LogResult]) -> Array:

@@ -154,11 +154,6 @@ class ArmSignals:
         """d tau / d q, shape (n, n) [Nm/rad]."""
         return ca.jacobian(self.load, self.q)
 
-    @cached_property
-    def load_rate2(self) -> ca.SX:
-        """d2 load / dt2 [Nm/s2]."""
-        return self._rate(self._rate(self.load))
-
     def _rate(self, signal: ca.SX) -> ca.SX:
         """Time derivative of a function of (q, qd, qdd, qddd) by the chain rule."""
         state = ca.vertcat(self.q, self.qd, self.qdd, self.qddd)

@@ -114,10 +114,6 @@ class GivenSignals:
         return self._given("tau_jacobian")
 
     @property
-    def load_rate2(self) -> ca.SX:
-        return self._given("load_rate2")
-
-    @property
     def mass_matrix(self) -> ca.SX:
         return self._given("mass_matrix")
 
