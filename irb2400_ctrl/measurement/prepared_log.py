@@ -186,9 +186,7 @@ def prepare(log: Log, rate: float | None = None) -> PreparedLog:
     if len(positions) < 4 * low_pass.half:
         raise InputError(f"{log.name}: found {log.duration:.2f} s of data, expected at least 2 s")
     gap = widened(~uniform.valid, margin)[inside]
-    still = _standstill(qd, uniform.step) | _stick_slip(uniform.tau[inside], qd, uniform.step)
-    if not instrumented:
-        still |= _rocking(qd, uniform.step)
+    still = _undetermined(uniform.tau[inside], qd, uniform.step, instrumented)
     determined = ~(still | gap[:, None])
     if not instrumented:
         # a joint that really sticks does so while it should creep, and smoothing reaches that far
@@ -278,6 +276,17 @@ def _left_of_noise(log: UniformLog, recorded: Log) -> float:
     smooth = smoothed(drawn, log.step)
     ratio = np.std(smooth[log.valid]) / np.std((drawn - smooth)[log.valid])
     return max(LEFT_OF_NOISE, NOISE_RESERVE * float(ratio))
+
+
+def _undetermined(tau: Array, qd: Array, step: float, instrumented: bool) -> Mask:
+    """Samples of joints whose dry friction may be anything, shape (m, n).
+
+    Args:
+        tau, qd: of the log; step: between its samples [s].
+        instrumented: whether the speed is the commanded one's.
+    """
+    still = _standstill(qd, step) | _stick_slip(tau, qd, step)
+    return still if instrumented else still | _rocking(qd, step)
 
 
 def _standstill(qd: Array, step: float) -> Mask:

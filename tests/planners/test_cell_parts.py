@@ -37,7 +37,6 @@ def test_the_law_is_motion_at_constant_acceleration() -> None:
     np.testing.assert_allclose(x, [0.0, 2.0, 4.0, 2.0, 0.0])
     np.testing.assert_allclose(u, [2.0, 2.0, 0.0, -4.0, -4.0])
     np.testing.assert_allclose(law.largest, [4.0, 4.0, 4.0])
-    np.testing.assert_allclose(law.above, [[0.0, 4.0, 4.0], [4.0, 4.0, 0.0]])
     slow = law.slowed(2.0)
     np.testing.assert_allclose(slow.x, [0.0, 1.0, 1.0, 0.0])
     np.testing.assert_allclose(slow.duration, 6.0)
@@ -164,10 +163,12 @@ def test_limits_may_only_be_tightened() -> None:
     with pytest.raises(InputError, match=r"tau_max of axis 2 is 40 Nm"):
         wider.within(ARM)
     assert replace(ARM, tau_max=np.array([30.0, 40.0 * (1 + 5e-10)])).within(ARM)
-    with pytest.raises(InputError, match=r"qd_max of axis 1 is 0 rad/s"):
-        replace(ARM, qd_max=np.array([0.0, 2.0])).within(ARM)
-    with pytest.raises(InputError, match=r"qdd_max of axis 2 is nan"):
-        replace(ARM, qdd_max=np.array([1.0, np.nan])).within(ARM)
+    with pytest.raises(
+        InputError, match=r"found qd_max = array\(\[0., 2.\]\), expected a positive"
+    ):
+        replace(ARM, qd_max=np.array([0.0, 2.0]))
+    with pytest.raises(InputError, match=r"found qdd_max = array\(\[ 1., nan\]\), expected a pos"):
+        replace(ARM, qdd_max=np.array([1.0, np.nan]))
 
 
 def test_rates_are_for_all_axes_or_for_each() -> None:

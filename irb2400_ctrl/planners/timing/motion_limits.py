@@ -68,17 +68,17 @@ class MotionLimits:
         """These limits, none of which may be wider than the robot's own.
 
         Raises:
-            InputError: one is not positive, or wider; says which axis, found and allowed.
+            InputError: one is wider; says which axis, found and allowed.
         """
         for name, unit in (("qd_max", "rad/s"), ("tau_max", "Nm"), ("qdd_max", "rad/s2")):
             found = np.asarray(getattr(self, name), dtype=float)
             allowed = getattr(widest, name)
-            wrong = ~((found > 0) & (found <= allowed * (1 + 1e-9)))
+            wrong = found > allowed * (1 + 1e-9)
             if wrong.any():
                 j = int(np.argmax(wrong))
                 raise InputError(
-                    f"limits: {name} of axis {j + 1} is {found[j]:g} {unit}, expected more than 0 "
-                    f"and at most the robot's own {allowed[j]:g} {unit}; limits of a plan can only "
+                    f"limits: {name} of axis {j + 1} is {found[j]:g} {unit}, expected "
+                    f"at most the robot's own {allowed[j]:g} {unit}; limits of a plan can only "
                     "be tighter: for a stronger arm change the robot file"
                 )
         return self
