@@ -90,8 +90,10 @@ def answers(verb: Callable[..., Summary]) -> Callable[..., None]:
         if as_json:
             print(found.text())
         left = _left_over(before, _standing(out))
+        replaced_some = len(left) < len(before)
         # a file that is put beside others says nothing of them
-        if len(left) < len(before) and list(map(Path.is_file, found.written)) != [True] and left:
+        put_beside = [path.is_file() for path in found.written] == [True]
+        if left and replaced_some and not put_beside:
             print(f"irb2400: {_says(out, left)}", file=sys.stderr)
         if found.stop is not None:
             raise found.stop
