@@ -114,7 +114,7 @@ def test_laws_without_a_name_are_one_for_each_joint() -> None:
 
 @pytest.mark.parametrize(
     ("name", "said"),
-    [("n1", ["n2"]), ("n1 of every joint", ["n2", "n1"])],
+    [("n1", ["n2"]), ("n1, part of the time", ["n2"]), ("n1 of every joint", ["n2", "n1"])],
 )
 def test_what_all_joints_do_not_have_none_of_them_has(
     monkeypatch: pytest.MonkeyPatch, name: str, said: list[str]

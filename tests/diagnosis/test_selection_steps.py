@@ -20,6 +20,7 @@ def bare(**given: Any) -> Any:
     usual: dict[str, Any] = {
         "criteria": Criteria(),
         "refused": set(),
+        "looks": 0,
         "_weighty": lambda steps, fit: (steps, fit),
         "_beside": beside,
         "scan": SimpleNamespace(motion=SimpleNamespace(n=3)),
@@ -296,3 +297,23 @@ def test_the_search_ends_after_as_many_steps_and_refusals_as_the_criteria_say(
     # once what has no name is on two of three joints it is of the whole arm
     assert ended(borne_out=True, known=False) == (2, 0)
     assert ended(borne_out=False) == (0, 4)
+
+
+def test_what_settles_nothing_is_looked_at_so_many_times(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A liquid at the tool (third plant 20262951 outside 7) took 52 looks and 135 s."""
+    ground: Any = SimpleNamespace(
+        comparison=None, alternatives=lambda refused: [], threshold=None, accepts=lambda one: True
+    )
+    selection = bare(_best=lambda ground, every, alone: (None, []))
+    most = Criteria().most_looks
+    for _ in range(most - 1):
+        assert selection.next_step(ground) is None
+    # a second effect in the place of a law without a name is part of the same look
+    selection.next_step(ground, alone=True)
+    assert selection._goes_on([])
+    there = [Step(explanation("a", 2), 50.0, ()), Step(explanation("b", 2), 50.0, ())]
+    selection.next_step(ground)
+    assert not selection._goes_on([])
+    # what there is stays as it is
+    monkeypatch.setattr(Selection, "next_step", lambda *_: pytest.fail("looked once more"))
+    assert selection._exchanged(there) == there

@@ -54,7 +54,9 @@ class Criteria:
         mostly_base: share of an effect's torque that no other numbers of the robot would give,
             below which unseen rows say nothing about it.
         shortlist: candidates judged in a step; most: explanations of one log; most_refused:
-            names that a polished fit does not bear out, before the search ends.
+            names that a polished fit does not bear out, most_looks: times that all candidates are
+            judged beside what is chosen, before the search ends. Three effects at once take eleven
+            at most; what takes more (a liquid at the tool) settles nothing.
     """
 
     gain: float = 22.0
@@ -80,6 +82,7 @@ class Criteria:
     shortlist: int = 10
     most: int = 8
     most_refused: int = 4
+    most_looks: int = 16
 
     @property
     def lowest(self) -> float:

@@ -12,7 +12,7 @@ from irb2400_ctrl.diagnosis.comparison.at_reversals import AtReversals
 from irb2400_ctrl.diagnosis.comparison.comparison import Alternative, Comparison
 from irb2400_ctrl.diagnosis.comparison.criteria import Threshold
 from irb2400_ctrl.diagnosis.comparison.onset import JOINTS_OF, Windowing
-from irb2400_ctrl.diagnosis.estimation.candidate import Candidate
+from irb2400_ctrl.diagnosis.estimation.candidate import EVERY_JOINT, Candidate
 
 Name = tuple[str, int | None, str]
 One = TypeVar("One")
@@ -85,8 +85,11 @@ def named(candidate: Candidate) -> Name:
 def _is_refused(candidate: Candidate, refused: Collection[Name]) -> bool:
     """Whether a candidate is of `refused` names: where one number for all joints was not borne out
     (a liquid at the tool looks like a delay), the same number of one joint is no more."""
-    for_all = (candidate.kind, None, candidate.name)
-    return named(candidate) in refused or (candidate.known and for_all in refused)
+    kind = candidate.kind
+    for_all = any(
+        k == kind and joint is None and EVERY_JOINT not in name for k, joint, name in refused
+    )
+    return named(candidate) in refused or (candidate.known and for_all)
 
 
 def shortlist(ranked: Sequence[Candidate], count: int, least: float) -> list[Candidate]:

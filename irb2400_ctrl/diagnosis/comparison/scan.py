@@ -10,7 +10,13 @@ import numpy as np
 
 from irb2400_ctrl.arrays import Mask
 from irb2400_ctrl.diagnosis.comparison.log_columns import LogColumns
-from irb2400_ctrl.diagnosis.estimation.candidate import Candidate, Point, most_of, plausible
+from irb2400_ctrl.diagnosis.estimation.candidate import (
+    EVERY_JOINT,
+    Candidate,
+    Point,
+    most_of,
+    plausible,
+)
 from irb2400_ctrl.diagnosis.estimation.evidence import (
     Expected,
     Problem,
@@ -261,7 +267,7 @@ class Scan(LogColumns):
         # one joint alone is the simpler story unless several clearly show it
         score = replace(score, gain=score.gain - EVERYWHERE_PENALTY)
         return Candidate(
-            kind, None, f"{kind} of every joint", (), present, law, None, score, EVERYWHERE_PENALTY
+            kind, None, f"{kind} {EVERY_JOINT}", (), present, law, None, score, EVERYWHERE_PENALTY
         )
 
     def _non_parametric(self, problem: Problem, joint: int) -> list[Candidate]:

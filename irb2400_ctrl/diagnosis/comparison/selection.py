@@ -34,6 +34,7 @@ class Selection:
         self.fitter = fitter
         self.criteria = Criteria() if criteria is None else criteria
         self.refused: set[Name] = set()
+        self.looks = 0
         self.acceptance = Acceptance(fitter, self.criteria)
         motion = scan.motion
         predicted = predicted_torque(fitter.robot, motion, fitter.bases)
@@ -105,6 +106,7 @@ class Selection:
     def _goes_on(self, steps: Sequence[Step]) -> bool:
         """Whether a further explanation may be looked for."""
         few = len(steps) < self.criteria.most and self._refused() < self.criteria.most_refused
+        few &= self.looks < self.criteria.most_looks
         return few and not of_the_whole_arm(steps, self.scan.motion.n)
 
     def _refused(self) -> int:
@@ -176,6 +178,7 @@ class Selection:
     def next_step(self, ground: Ground, alone: bool = False) -> Step | None:
         """The best further explanation if it counts; `alone`: no two effects in the place of a
         non-parametric law."""
+        self.looks += not alone
         comparison = ground.comparison
         every = ground.alternatives(self.refused)
         while True:
@@ -297,6 +300,8 @@ class Selection:
             name_beside = not earlier.known and steps[-1].candidate.known
             if not name_beside and not (changed & there).any():
                 continue
+            if self.looks >= self.criteria.most_looks:
+                break
             others = [s.candidate for k, s in enumerate(kept) if k != place]
             step = self.next_step(self._beside(others, there))
             if step is None and all(o.known for o in others):

@@ -15,6 +15,8 @@ from irb2400_ctrl.diagnosis.estimation.evidence import Score
 from irb2400_ctrl.diagnosis.regressors.bases import RegressorColumns
 from irb2400_ctrl.effects import LIBRARY, Effect
 
+EVERY_JOINT = "of every joint"
+"""in the name of effects of one kind, one on each joint, with a size each"""
 NON_PARAMETRIC_SHARE = 0.5
 """share of its torque that a flexible law may leave: what is left is more of the same unknown"""
 

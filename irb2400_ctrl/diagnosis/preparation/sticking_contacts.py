@@ -13,7 +13,7 @@ from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.diagnosis.regressors.bases import Bases
 from irb2400_ctrl.measurement.prepared_log import PreparedLog
 
-STICKING_ANGLES = (5e-4, 1.5e-3)
+STICKING_ANGLES = (5e-4, 1e-3)
 """[rad] over which it turns over: rolling bearings and gears have 1e-4 to 2e-3"""
 
 
