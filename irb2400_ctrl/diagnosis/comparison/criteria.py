@@ -56,7 +56,7 @@ class Criteria:
         shortlist: candidates judged in a step; most: explanations of one log; most_refused:
             names that a polished fit does not bear out, most_looks: times that all candidates are
             judged beside what is chosen, before the search ends. Three effects at once take eleven
-            at most; what takes more (a liquid at the tool) settles nothing.
+            at most, real arms nineteen; what takes more (a liquid at the tool) settles nothing.
     """
 
     gain: float = 22.0
@@ -82,7 +82,7 @@ class Criteria:
     shortlist: int = 10
     most: int = 8
     most_refused: int = 4
-    most_looks: int = 16
+    most_looks: int = 20
 
     @property
     def lowest(self) -> float:
