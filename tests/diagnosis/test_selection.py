@@ -30,6 +30,7 @@ def test_explanations_that_push_each_other_out_are_not_tried_for_ever(
     selection.criteria = Criteria(most=3)
     selection.fitter = SimpleNamespace(fit=lambda chosen: len(chosen), as_stated=lambda fit: fit)
     selection.refused = set()
+    selection.looks = 0
     selection.acceptance = SimpleNamespace(
         bears_out=lambda steps, fit, place, **_: True,
         clear=lambda steps, fit, place: [True],
@@ -71,6 +72,7 @@ def test_numbers_further_off_than_stated_are_a_rival_and_all_is_judged_anew(
         fit=lambda chosen: len(chosen), as_stated=lambda fit: fit, widen=widened.append
     )
     selection.refused = {("refused", 1, "refused")}
+    selection.looks = 0
     selection.acceptance = SimpleNamespace(gains=lambda steps, fit: [])
     name: Any = Step(
         candidate=SimpleNamespace(kind="a", joint=1, name="a", known=True),
