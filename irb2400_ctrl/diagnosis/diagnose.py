@@ -14,7 +14,7 @@ from irb2400_ctrl.diagnosis.bent_numbers import BENT, beside_noise
 from irb2400_ctrl.diagnosis.comparison.acceptance import INFLATION
 from irb2400_ctrl.diagnosis.comparison.criteria import Criteria
 from irb2400_ctrl.diagnosis.comparison.scan import Scan
-from irb2400_ctrl.diagnosis.comparison.selection import Selection
+from irb2400_ctrl.diagnosis.comparison.selection import UNSETTLED, Selection
 from irb2400_ctrl.diagnosis.comparison.step import Step, of_the_whole_arm
 from irb2400_ctrl.diagnosis.diagnosis import Comparison, Diagnosis
 from irb2400_ctrl.diagnosis.estimation.fit import Fit, Fitter
@@ -132,7 +132,8 @@ def _searched(
     scan = Scan(bases, motion, load)
     plain = PlainNumbers(prior, motion.recorded_rows(numbers_of_robot), motion.at_rows(motion.qd))
     fitter = Fitter(robot, bases, motion, Z, reversal, own, plain)
-    steps, fit = Selection(scan, fitter, criteria).run()
+    selection = Selection(scan, fitter, criteria)
+    steps, fit = selection.run()
     progress("conclude")
     bent = of_the_whole_arm(steps, motion.n)
     fit = beside_noise(fitter, steps, fit) if bent else fit
@@ -148,6 +149,8 @@ def _searched(
     if bent:
         numbers = tuple(one for one in numbers if one.list == "lacks")
         weak = (*weak, BENT)
+    if selection.unsettled:
+        weak = (*weak, UNSETTLED)
     return replace(
         found, numbers=numbers, weak=weak, logs=each, left_out=logs.left_out, noise=noise
     )

@@ -74,8 +74,9 @@ class Hysteresis(Effect):
     def from_coefficients(
         cls, joint: int | None, coefficients: Sequence[float], nonlinear: dict[str, float]
     ) -> Self:
-        amplitude, *replaced = coefficients
-        return cls.of(joint, amplitude_Nm=amplitude, replaced_Nm=sum(replaced), **nonlinear)
+        # a loop on top of the dry friction has no second one
+        amplitude, replaced = (*coefficients, 0.0)[:2]
+        return cls.of(joint, amplitude_Nm=amplitude, replaced_Nm=replaced, **nonlinear)
 
     @classmethod
     def grid(cls, joint: int | None) -> list[dict[str, float]]:

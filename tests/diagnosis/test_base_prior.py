@@ -29,6 +29,18 @@ def test_data_sheet_spread_is_what_is_documented() -> None:
     np.testing.assert_allclose(sigmas[-3 * ROBOT.n :], expected)
 
 
+def test_friction_that_is_not_stated_may_be_large_and_usually_is_not() -> None:
+    """Half of the joint's torque may be dry friction; what turns over at its reversals is 0.15 of
+    it, else it takes in what other effects do there."""
+    torque = np.sqrt(np.mean(motion().tau ** 2, axis=0))
+    base_prior = BasePrior.of(ROBOT.with_unknown_friction([2]), Uncertainty(), motion())
+    stated = np.arange(6) != 1
+    friction = base_prior.dry_friction()
+    np.testing.assert_array_equal(friction[stated], ROBOT.friction[stated, 1])
+    np.testing.assert_allclose(friction[1], 0.15 * torque[1])
+    np.testing.assert_allclose(base_prior.sigmas()[-3 * 6 + 1], 0.5 * torque[1])
+
+
 def test_base_prior_columns_are_the_slope_of_the_updated_robot() -> None:
     base_prior = BasePrior.of(ROBOT, Uncertainty(), motion())
     columns = base_prior.columns(BASES.model, motion())

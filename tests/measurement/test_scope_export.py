@@ -63,6 +63,10 @@ def test_a_time_of_each_channel_is_refused_with_what_to_choose(tmp_path: Path) -
 def test_full_stamps_are_refused_with_what_to_choose(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="without Full Timestamp"):
         read_log(export(tmp_path / "scope.csv", shift=132959373843760000))
+    text = "Name\tq1\nSampleTime[ms]\t4\n10:00:00.1\t0.5\n10:00:00.2\t0.6\n"
+    (tmp_path / "clock.csv").write_text(text)
+    with pytest.raises(InputError, match="without Full Timestamp"):
+        read_log(tmp_path / "clock.csv")
 
 
 def test_the_header_of_a_kuka_trace_says_where_its_samples_are(tmp_path: Path) -> None:

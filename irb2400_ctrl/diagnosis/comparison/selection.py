@@ -22,6 +22,10 @@ from irb2400_ctrl.diagnosis.regressors.predict import predicted_torque
 
 SMALL_FAMILY = 20
 """members of a family that still is one law"""
+UNSETTLED = (
+    "the search for names ended before it settled: they come and go with each other, as where "
+    "something acts on the whole arm that no name fits; take what is said for a suspicion"
+)
 DOUBTS = 2
 """refused flexible laws of a joint that its effects are held against"""
 
@@ -106,8 +110,13 @@ class Selection:
     def _goes_on(self, steps: Sequence[Step]) -> bool:
         """Whether a further explanation may be looked for."""
         few = len(steps) < self.criteria.most and self._refused() < self.criteria.most_refused
-        few &= self.looks < self.criteria.most_looks
-        return few and not of_the_whole_arm(steps, self.scan.motion.n)
+        whole = of_the_whole_arm(steps, self.scan.motion.n)
+        return few and not whole and not self.unsettled
+
+    @property
+    def unsettled(self) -> bool:
+        """Whether it has looked as often as it may."""
+        return self.looks >= self.criteria.most_looks
 
     def _refused(self) -> int:
         """Number of names that were refused; the flexible laws of a joint, of which there is one,
@@ -178,7 +187,8 @@ class Selection:
     def next_step(self, ground: Ground, alone: bool = False) -> Step | None:
         """The best further explanation if it counts; `alone`: no two effects in the place of a
         non-parametric law."""
-        self.looks += not alone
+        if not alone:
+            self.looks += 1
         comparison = ground.comparison
         every = ground.alternatives(self.refused)
         while True:
@@ -300,7 +310,7 @@ class Selection:
             name_beside = not earlier.known and steps[-1].candidate.known
             if not name_beside and not (changed & there).any():
                 continue
-            if self.looks >= self.criteria.most_looks:
+            if self.unsettled:
                 break
             others = [s.candidate for k, s in enumerate(kept) if k != place]
             step = self.next_step(self._beside(others, there))

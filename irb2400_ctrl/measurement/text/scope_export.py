@@ -75,7 +75,7 @@ def scope_export(path: Path, text: Text) -> ScopeExport | None:
             "one for all channels: export it with Timelines: For each sampletime, all channels "
             "recorded at one sample time"
         )
-    if float(about[first][0].replace(",", ".")) > _TICKS:
+    if not _is_offset(about[first][0]):
         raise InputError(
             f"{path}: found an export of TwinCAT Scope with full time stamps; expected offsets in "
             "milliseconds: export it without Full Timestamp"
@@ -83,6 +83,14 @@ def scope_export(path: Path, text: Text) -> ScopeExport | None:
     units = [*told, *[""] * len(about[names])]
     named = [_named(name, unit) for name, unit in zip(about[names], units, strict=False)]
     return ScopeExport(separator.join(["time_ms", *named[1:]]), first)
+
+
+def _is_offset(cell: str) -> bool:
+    """Whether a time counts from the start; no clock time, and no ticks of Windows."""
+    try:
+        return float(cell.replace(",", ".")) < _TICKS
+    except ValueError:
+        return False
 
 
 def _named(name: str, unit: str) -> str:
