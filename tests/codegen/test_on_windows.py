@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import shutil
 import subprocess
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -58,14 +59,21 @@ int main(void)
 
 
 @pytest.fixture(scope="module")
-def wine_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Of one Windows for all tests: making it takes longer than they do."""
-    return tmp_path_factory.mktemp("wine")
+def windows(tmp_path_factory: pytest.TempPathFactory) -> Iterator[dict[str, str]]:
+    """Surroundings of one Windows for all tests: making it takes longer than they do. Its server
+    stays until the last: one that is about to end lets a program fail to start."""
+    folder = tmp_path_factory.mktemp("wine")
+    surroundings = {**os.environ, "WINEPREFIX": str(folder), "WINEDEBUG": "-all"}
+    server = shutil.which("wineserver", path=str(Path(WINE or "").resolve().parent))
+    assert server
+    subprocess.run([server, "-p"], env=surroundings, check=True)
+    yield surroundings
+    subprocess.run([server, "-k"], env=surroundings, check=False)
 
 
 @pytest.mark.parametrize("real", ["double", "float"])
 def test_a_program_of_windows_gives_the_same_bits(
-    real: Real, tmp_path: Path, wine_folder: Path
+    real: Real, tmp_path: Path, windows: dict[str, str]
 ) -> None:
     assert COMPILER
     assert WINE
@@ -79,9 +87,7 @@ def test_a_program_of_windows_gives_the_same_bits(
     (tmp_path / "main.c").write_text(PROGRAM, encoding="utf-8")
     sources = ["arm.c", "main.c", "-o", "arm.exe"]
     subprocess.run([COMPILER, *EXACT_FLAGS, *sources], cwd=tmp_path, check=True)
-    surroundings = {**os.environ, "WINEPREFIX": str(wine_folder), "WINEDEBUG": "-all"}
-    done = subprocess.run([WINE, "arm.exe"], cwd=tmp_path, env=surroundings, check=False)
-    assert done.returncode == 0
+    subprocess.run([WINE, "arm.exe"], cwd=tmp_path, env=windows, check=True)
     after, outputs = run_points(HostController(package), states, inputs)
     for name, here in (("x", after), ("y", outputs)):
         there = np.fromfile(tmp_path / name, here.dtype)
