@@ -4,7 +4,7 @@ committed input."""
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from importlib import resources
 from pathlib import Path
 
@@ -12,7 +12,7 @@ from irb2400_ctrl.codegen import Verification, export_package
 from irb2400_ctrl.controllers import controller, guarded
 from irb2400_ctrl.diagnosis import Diagnosis, diagnose
 from irb2400_ctrl.measurement import Log, read_log, recorded_motion
-from irb2400_ctrl.planners import MotionLimits, Plan, plan_path, read_path
+from irb2400_ctrl.planners import Plan, plan_path, read_path
 from irb2400_ctrl.robot import Robot, load_robot
 from irb2400_ctrl.simulation import Simulation, perturbed_robot, simulate
 from irb2400_ctrl.simulation.close_the_loop import ClosedLoop, close_loop
@@ -46,9 +46,7 @@ def run_main_job(out: Path, say: Callable[[str], None] = lambda text: None) -> M
     robot = load_robot("irb2400")
 
     say("planning the toolpath")
-    limits = MotionLimits.of(robot)
-    limits = replace(limits, tau_max=TORQUE_SHARE * limits.tau_max)
-    plan = plan_path(robot, read_path(TOOLPATH), limits=limits)
+    plan = plan_path(robot, read_path(TOOLPATH), torque_share=TORQUE_SHARE)
     plan.write(out / "plan")
 
     packages = {}

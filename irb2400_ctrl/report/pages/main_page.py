@@ -13,7 +13,7 @@ from irb2400_ctrl.report.figures.simulation_figures import (
     torque_figures,
     tracking_figure,
 )
-from irb2400_ctrl.report.main_job import TORQUE_SHARE, MainJob
+from irb2400_ctrl.report.main_job import MainJob
 from irb2400_ctrl.report.pages.closed_loop_section import add_closed_loop, closed_loop_lines
 from irb2400_ctrl.report.pages.diagnosis_page import add_diagnosis, finding_title, verdict_sentence
 from irb2400_ctrl.report.pages.plan_page import add_plan
@@ -71,7 +71,7 @@ def _facts(job: MainJob) -> list[tuple[str, str]]:
         (f"joint {joint + 1}, RMSE", f"{was:.2f} → {now:.2f} Nm"),
         ("its noise floor", f"{job.diagnosis.noise_floor[joint]:.2f} Nm"),
         ("toolpath", f"{plan['duration_s']:.1f} s"),
-        ("torque, at most", of_limit(TORQUE_SHARE * plan["max_torque_ratio"])),
+        ("torque, at most", of_limit(plan["max_torque_ratio"])),
         ("C packages equal to the model", f"{equal} of {len(job.packages)}"),
     ]
 
@@ -139,7 +139,7 @@ def table(job: MainJob) -> str:
     """At most 20 lines for the terminal."""
     s = job.plan.summary()
     margin = s["singularity_margin"]
-    torque = 100 * TORQUE_SHARE * s["max_torque_ratio"]
+    torque = 100 * s["max_torque_ratio"]
     found = [
         f"plan      {s['points']} points in {s['duration_s']:.2f} s, torque at most {torque:.1f} % "
         "of its limit" + (", at every instant" if s["guaranteed"] else ""),
