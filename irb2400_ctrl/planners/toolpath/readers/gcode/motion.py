@@ -159,9 +159,9 @@ class GcodeMotion:
         start = state.at
         state.placed(start, builder.place)
         target = state.target(values)
-        first, second, across = PLANES[state.plane]
         p = np.array(start, dtype=float)
         q = np.array(target, dtype=float)
+        first, second, across = PLANES[state.arc_plane(values, p, q)]
         normal = np.zeros(3)
         normal[across] = 1.0 if motion == 3 else -1.0
         by_centre = any(letter in values for letter in (*CENTRE, *ABSOLUTE))

@@ -54,8 +54,8 @@ def read_gcode(
     Raises:
         InputError: a word that is not known or not read, with its line.
     """
-    reader = _Reader(builder, units, None if rotary is None else Rotary.of(rotary), frames)
-    reader.siemens = is_siemens(text, name)
+    turning = None if rotary is None else Rotary.of(rotary)
+    reader = _Reader(builder, units, turning, frames, siemens=is_siemens(text, name))
     variables = Variables()
     lines, notes = in_order(text, name, variables)
     listed = list(blocks(lines, name, variables))
@@ -92,9 +92,11 @@ class _Reader:
         units: str | None,
         rotary: Rotary | None,
         frames: Mapping[str, Array] | None,
+        *,
+        siemens: bool,
     ) -> None:
         self._builder = builder
-        self._state = GcodeState()
+        self._state = GcodeState(siemens=siemens)
         if units is not None:
             self._state.unit = LENGTHS[units]
             self._state.feed_unit = LENGTHS[units]
@@ -106,8 +108,6 @@ class _Reader:
         self._offsets = WorkOffsets(builder, self._state, frames)
         self._again = False
         self.ended = False
-        self.siemens = False
-        """the file is for a control of Siemens: G70 and G71 leave the unit of feeds alone"""
 
     @property
     def unit_stated(self) -> bool:
@@ -168,7 +168,11 @@ class _Reader:
         if 4 in codes:
             values = self._machine.dwell(values)
         functions = [int(code) for code in block.codes("M")]
-        if self.siemens and "L" in values and not CYCLES.keys() & {*codes, self._state.motion}:
+        if (
+            self._state.siemens
+            and "L" in values
+            and not CYCLES.keys() & {*codes, self._state.motion}
+        ):
             functions += self._machine.library(values["L"])
         if block.plane is not None:
             swivel(block.plane, self._state, builder)
@@ -245,14 +249,14 @@ class _Reader:
     def _unit_of_lengths(self, code: int) -> None:
         """G70, G71: of lengths alone on a control of Siemens, where feeds stay in the basic unit of
         the machine; else of feeds, too."""
-        self._state.set_units(code, feeds=not self.siemens)
+        self._state.set_units(code, feeds=not self._state.siemens)
         if code == 21 or self._state.unit_fixed:
             return
         self._builder.note(
             "assumed",
             "G70 (Siemens): lengths in inch, feeds still in mm, the machine's basic unit; for both "
             "in inch G700, or --units inch"
-            if self.siemens
+            if self._state.siemens
             else "G70 is taken for G20, lengths and feeds in inch. On a control of Siemens feeds "
             "stay in mm: if the file is for one, give it the ending .mpf; if not, --units inch",
         )

@@ -18,6 +18,8 @@ COOLANT = {7: "mist", 8: "flood", 9: "off"}
 """by the number of M"""
 # first and second axis of the plane, and its normal, so that G3 turns right-handed about the normal
 PLANES = {17: (0, 1, 2), 18: (2, 0, 1), 19: (1, 2, 0)}
+ROUNDED = 5e-5
+"""by which the radii of start and end of an arc differ through rounding [m]"""
 
 
 @dataclass
@@ -31,6 +33,8 @@ class GcodeState:
     unit_fixed: bool = False
     """the user states the unit: G20 and G21 do not change it"""
     plane: int = 17
+    siemens: bool = False
+    """the control is one of Siemens"""
     polar: bool = False
     """X is a radius and Y an angle about the zero (G16)"""
     absolute: bool = True
@@ -108,6 +112,31 @@ class GcodeState:
             elif known is not None:
                 result[index] = known + way
         return self._polar_target(values, result) if self.polar else result
+
+    def arc_plane(self, values: dict[str, float], p: Array, q: Array) -> int:
+        """17, 18 or 19: the plane of an arc. A control of Siemens takes that of the axes which its
+        end or centre states, whatever G17 to G19 say; a helix stays in the plane in force.
+
+        Args:
+            values: the words of the block.
+            p: start of the arc [m], shape (3,).
+            q: its end [m], shape (3,).
+        """
+        named = {i for i, axis in enumerate(AXES) if axis in values}
+        letters = {i for i, c in enumerate("IJK") if c in values or f"{c}AC" in values}
+        stated = letters if len(letters) == 2 else named
+        if not self.siemens or len(stated) != 2 or not named | letters <= stated:
+            return self.plane
+        plane = next(code for code, axes in PLANES.items() if set(axes[:2]) == stated)
+        # I alone: the centre lies on a line of both planes, and the end on a circle in one of them
+        centre = p.copy()
+        for i in letters:
+            given = f"{'IJK'[i]}AC"
+            known = given in values
+            centre[i] = values[given] * self.unit if known else p[i] + values["IJK"[i]] * self.unit
+        flat = list(PLANES[plane][:2])
+        radii = [float(np.hypot(*(end - centre)[flat])) for end in (p, q)]
+        return plane if not letters or abs(radii[0] - radii[1]) < ROUNDED else self.plane
 
     def _polar_target(
         self, values: dict[str, float], result: list[float | None]
