@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -12,6 +12,10 @@ from irb2400_ctrl.planners.toolpath.toolpath import ToolPath
 
 # places and axes nearer than this are one [m], [-]
 SAME = 1e-7
+FROM_ABOVE = (
+    "rapid moves behind a change of tool are left out until a height is stated: the tool comes "
+    "from above, not from the height of the one before"
+)
 
 
 @dataclass
@@ -32,6 +36,20 @@ class Draft:
     rapid: list[bool] = field(default_factory=list)
     line: list[int] = field(default_factory=list)
     events: list[Event] = field(default_factory=list)
+    carried: int = 0
+    """points at its start whose height is that of the tool before"""
+
+    def begin_above(self) -> bool:
+        """Leave out the points at the height of the tool before, where a rapid move to a stated
+        height follows; whether there were such."""
+        n = self.carried
+        self.carried = 0
+        if not 0 < n < len(self.position) - 1 or not self.rapid[n]:
+            return False
+        for rows in (self.position, self.axis, self.feed, self.rapid, self.line):
+            del rows[:n]
+        self.events = [replace(event, point=max(event.point - n, -1)) for event in self.events]
+        return True
 
     @property
     def moves(self) -> bool:

@@ -20,7 +20,7 @@ from irb2400_ctrl.planners.toolpath.readers.expansion.arcs import Arc
 from irb2400_ctrl.planners.toolpath.readers.expansion.drilling import HoleCycle
 from irb2400_ctrl.planners.toolpath.readers.feed import Feed
 from irb2400_ctrl.planners.toolpath.readers.notes import Notes
-from irb2400_ctrl.planners.toolpath.readers.operation_draft import Draft, finished
+from irb2400_ctrl.planners.toolpath.readers.operation_draft import FROM_ABOVE, Draft, finished
 
 CHORD = 5e-5
 MOST_POINTS = 2_000_000
@@ -74,6 +74,8 @@ class ProgramBuilder:
         self._done: list[Draft] = []
         self._notes = Notes()
         self._feedless = False
+        self._from_above = False
+        """the tool is another one, and its height is not stated yet"""
         self._draft = self._new_draft()
 
     @property
@@ -101,6 +103,7 @@ class ProgramBuilder:
         self.tool = tool
         self.tool_described = True
         self._split(keep_place=False)
+        self._from_above = self.moved
         text = f"{'' if tool.number is None else tool.number} {tool.name}".strip()
         if all((event.kind, event.text) != ("tool", text) for event in self._draft.events):
             self._draft.events.append(Event("tool", -1, self.line, text))
@@ -179,9 +182,18 @@ class ProgramBuilder:
             raise error
         self.note("unknown", str(error).removeprefix(f"{self.place}: "))
 
-    def move(self, position: Array, *, axis: Array | None = None, rapid: bool = False) -> None:
-        """A straight move of the tool tip."""
+    def move(
+        self,
+        position: Array,
+        *,
+        axis: Array | None = None,
+        rapid: bool = False,
+        height: bool = True,
+    ) -> None:
+        """A straight move of the tool tip; `height` is whether the file states it here."""
         self._begin_cut(rapid)
+        self._from_above &= not height
+        self._draft.carried += self._from_above
         length = 0.0 if self.here is None else float(np.linalg.norm(position - self.here))
         self.axis = self.axis if axis is None else axis
         self._append(position, self._speed(length, rapid), rapid)
@@ -251,29 +263,20 @@ class ProgramBuilder:
             )
         if any(not np.array_equal(d.frame, self._done[0].frame) for d in self._done):
             self.note("assumed", "points in several frames: all brought into the first one")
-        return CamProgram(
-            PurePath(self.name).name,
-            dialect,
-            finished(self._done, self.default_name),
-            self._notes.all(),
-            units,
-            units_stated,
-        )
+        name = PurePath(self.name).name
+        done = finished(self._done, self.default_name)
+        return CamProgram(name, dialect, done, self._notes.all(), units, units_stated)
 
     def _new_draft(self) -> Draft:
-        return Draft(
-            self.operation_name,
-            self.tool,
-            self.spindle,
-            self.coolant,
-            self.frame,
-            self.stated_frame,
-        )
+        frame = (self.frame, self.stated_frame)
+        return Draft(self.operation_name, self.tool, self.spindle, self.coolant, *frame)
 
     def _split(self, *, keep_place: bool) -> None:
         """End the operation in hand; the next one begins where it ends if the tool stays there."""
         old = self._draft
         moves = old.moves
+        if old.begin_above():
+            self._notes.add("assumed", old.line[0], FROM_ABOVE)
         if moves:
             self._done.append(old)
         self._draft = self._new_draft()
@@ -285,10 +288,12 @@ class ProgramBuilder:
         if keep_place and self.here is not None and old.position:
             self._draft.continues = True
             self._append(self.here, np.inf, True, old.line[-1])
+            self._draft.carried += self._from_above
 
     def _begin_cut(self, rapid: bool, curved: bool = False) -> None:
         """A cut at the start of an operation begins where the tool is; not with another tool, which
         comes from its magazine. A curve needs its start in any case."""
+        self._from_above &= rapid and not curved
         changed = bool(self._done) and self._done[-1].tool != self._draft.tool
         begins = not self._draft.position and self.here is not None
         if begins and self.here is not None and (curved or not (rapid or changed)):

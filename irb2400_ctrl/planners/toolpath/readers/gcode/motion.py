@@ -150,7 +150,7 @@ class GcodeMotion:
         place = state.placed(target, builder.place)
         if builder.here is None and not rapid:
             builder.note("assumed", "the first move comes from an unknown place: begun at its end")
-        builder.move(place, axis=axis, rapid=rapid)
+        builder.move(place, axis=axis, rapid=rapid, height="Z" in values)
         state.at = target
 
     def _arc(self, motion: float, values: dict[str, float], axis: Array) -> None:
