@@ -40,6 +40,7 @@ EXTENDED = (TO_ANGLE, "CR", "TURN", "RPL", "A3", "B3", "C3", "IAC", "JAC", "KAC"
 LETTERS = frozenset([*"ABCDFGHIJKLMNPQRSTXYZ", *EXTENDED])
 PLACES = frozenset("XYZABCIJKRQ")
 EXTENDED_WORD = re.compile(rf"\s*({'|'.join(EXTENDED)})\s*=\s*{NUMBER}")
+STATED_ONCE = PLACES | {"T"}
 SUBPROGRAM = re.compile(r"^\s*O\s*<|^\s*O\d+\s+(SUB|CALL|IF|WHILE|REPEAT|DO|ENDSUB)")
 UNREADABLE = (
     (
@@ -105,6 +106,12 @@ class Block:
         return [value for key, value in self.words if key == letter]
 
     def values(self) -> dict[str, float]:
+    @property
+    def ready(self) -> int | None:
+        """The tool to make ready: the second one of T1 T2 M6 (Mazak)."""
+        tools = self.codes("T")
+        return int(tools[1]) if len(tools) == 2 and 6 in self.codes("M") else None
+
         """The words other than G, M and N by their letter."""
         return {key: value for key, value in self.words if key not in "GMN"}
 
@@ -117,11 +124,14 @@ class Block:
         """
         values = self.values()
         unknown = sorted(set(values) - LETTERS)
+        if self.ready is not None:
+            values["T"] = self.codes("T")[0]
         if unknown:
             why = "; E pushes plastic in 3D printing" if unknown[0] == "E" else ""
             raise InputError(f"{place}: found the word {unknown[0]}, which is not read{why}")
         for letter, value in self.words:
-            if letter in PLACES and value != values[letter]:
+            once = PLACES if self.ready is not None else STATED_ONCE
+            if letter in once and value != values[letter]:
                 raise InputError(
                     f"{place}: found {letter}{value:g} and {letter}{values[letter]:g} in one "
                     "block, expected one of them (two lines run together?)"

@@ -65,6 +65,13 @@ class GcodeMachine:
 
         Raises:
             InputError: another sub-program.
+    def make_ready(self, tool: int) -> None:
+        """The second tool of T1 T2 M6 comes with the next M6."""
+        self._state.next_tool = tool
+        self._builder.note(
+            "assumed", "T1 T2 M6: the first tool is changed to, the second made ready (Mazak)"
+        )
+
         """
         if number != 6:
             raise InputError(

@@ -179,6 +179,8 @@ class _Reader:
         self._modes(codes, values)
         values = without_owned(codes, values, builder)
         self._machine.before(functions, values, block.orders)
+        if block.ready is not None:
+            self._machine.make_ready(block.ready)
         used = self._special(codes, values, block.orders)
         self._set_motion(codes)
         leads = not used and moves(values, self._state.motion)
