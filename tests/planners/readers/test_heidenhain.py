@@ -50,13 +50,21 @@ def test_comments_and_blocks_over_several_lines(tmp_path: Path) -> None:
     assert found.feed[-1] == pytest.approx(1e-3)
 
 
-def test_inches_and_their_feeds(tmp_path: Path) -> None:
-    text = HEAD.replace("PART MM", "PART INCH")
+@pytest.mark.parametrize("unit", ["INCH", "IN"])
+def test_inches_and_their_feeds(tmp_path: Path, unit: str) -> None:
+    text = HEAD.replace("PART MM", f"PART {unit}")
     read = program(tmp_path, "4 L Z-1 F300\n5 L X+2\n", head=text)
     assert np.allclose(read.operation().path.position[-1], [2 * 25.4e-3, 0, -25.4e-3])
     # tenths of an inch per minute
     assert read.operation().path.feed[-1] == pytest.approx(30 * 25.4e-3 / 60)
     assert "feeds are in tenths of inch/min" in str(read.of_kind("assumed"))
+
+
+def test_another_unit_is_asked_about(tmp_path: Path) -> None:
+    head = HEAD.replace("PART MM", "PART")
+    with pytest.raises(InputError, match="line 1: found 'BEGIN PGM PART', expected BEGIN PGM"):
+        program(tmp_path, "4 L Z-1 F300\n", head=head)
+    assert read_program(tmp_path / "part.h", units="inch").units == "inch"
 
 
 @pytest.mark.parametrize(

@@ -141,7 +141,12 @@ class _Reader:
     def _begin(self, code: str) -> None:
         """BEGIN PGM NAME MM, or INCH, where feeds are in tenths of an inch."""
         state = self._state
-        inch = code.rstrip().endswith("INCH")
+        unit = code.split()[-1]
+        if unit not in {"MM", "INCH", "IN"} and not self._units:
+            raise InputError(
+                f"{self._builder.place}: found {code!r}, expected BEGIN PGM, a name, and MM or INCH"
+            )
+        inch = unit in {"INCH", "IN"}
         state.unit = LENGTHS[self._units] if self._units else (INCH if inch else MM)
         state.feed_unit = state.unit
         state.unit_stated = True
