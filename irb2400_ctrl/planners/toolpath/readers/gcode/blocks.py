@@ -30,17 +30,18 @@ from irb2400_ctrl.planners.toolpath.readers.gcode.variables import (
 )
 from irb2400_ctrl.planners.toolpath.readers.unread_line import UnreadLineError
 
-WORD = re.compile(rf"\s*([A-Z])\s*=?\s*{NUMBER}")
+WORD = re.compile(rf"\s*([A-Z$])\s*=?\s*{NUMBER}")
 # one word that says for itself what G90 and G91 say for a block: X=IC(10), X=AC(10)
 BY_ITSELF = tuple(f"{axis}{how}" for axis in "XYZABC" for how in ("IC", "AC"))
 # a block that the operator may skip, by one of nine switches: /G1, /2 G1
 OPTIONAL = re.compile(r"/\s*(?:[1-9](?=\s*(?:[A-Z]|$)))?\s*")
 # words of several letters (Siemens)
 EXTENDED = (TO_ANGLE, "CR", "TURN", "RPL", "A3", "B3", "C3", "IAC", "JAC", "KAC", *BY_ITSELF)
-LETTERS = frozenset([*"ABCDFGHIJKLMNPQRSTXYZ", *EXTENDED])
+# $: which spindle, or torch (LinuxCNC)
+LETTERS = frozenset([*"ABCDFGHIJKLMNPQRSTXYZ$", *EXTENDED])
 PLACES = frozenset("XYZABCIJKRQ")
-EXTENDED_WORD = re.compile(rf"\s*({'|'.join(EXTENDED)})\s*=\s*{NUMBER}")
 STATED_ONCE = PLACES | {"T"}
+EXTENDED_WORD = re.compile(rf"\s*({'|'.join(EXTENDED)})\s*=\s*{NUMBER}")
 SUBPROGRAM = re.compile(r"^\s*O\s*<|^\s*O\d+\s+(SUB|CALL|IF|WHILE|REPEAT|DO|ENDSUB)")
 UNREADABLE = (
     (
@@ -105,13 +106,13 @@ class Block:
         """All numbers behind this letter."""
         return [value for key, value in self.words if key == letter]
 
-    def values(self) -> dict[str, float]:
     @property
     def ready(self) -> int | None:
         """The tool to make ready: the second one of T1 T2 M6 (Mazak)."""
         tools = self.codes("T")
         return int(tools[1]) if len(tools) == 2 and 6 in self.codes("M") else None
 
+    def values(self) -> dict[str, float]:
         """The words other than G, M and N by their letter."""
         return {key: value for key, value in self.words if key not in "GMN"}
 
@@ -123,11 +124,16 @@ class Block:
                 on other controls.
         """
         values = self.values()
-        unknown = sorted(set(values) - LETTERS)
         if self.ready is not None:
             values["T"] = self.codes("T")[0]
+        unknown = sorted(set(values) - LETTERS)
         if unknown:
-            why = "; E pushes plastic in 3D printing" if unknown[0] == "E" else ""
+            why = (
+                "; E pushes plastic in 3D printing, is a work frame on Fadal, and an argument of "
+                "macros (G65, G47)"
+                if unknown[0] == "E"
+                else ""
+            )
             raise InputError(f"{place}: found the word {unknown[0]}, which is not read{why}")
         for letter, value in self.words:
             once = PLACES if self.ready is not None else STATED_ONCE

@@ -45,6 +45,11 @@ class GcodeMachine:
         """What comes before the motion of a block: tool, spindle, coolant."""
         state = self._state
         builder = self._builder
+        if values.get("$", 0.0) > 0:
+            builder.note(
+                "assumed",
+                f"${values['$']:g}: one of several spindles or torches, taken for the one",
+            )
         if "T" in values:
             state.next_tool = int(values["T"])
         if 6 in functions:
@@ -60,11 +65,6 @@ class GcodeMachine:
         for order in orders:
             self._order(order)
 
-    def library(self, number: float) -> list[int]:
-        """L6 of a control of Siemens, where it is not in the file: the change of tool, as M6.
-
-        Raises:
-            InputError: another sub-program.
     def make_ready(self, tool: int) -> None:
         """The second tool of T1 T2 M6 comes with the next M6."""
         self._state.next_tool = tool
@@ -72,6 +72,11 @@ class GcodeMachine:
             "assumed", "T1 T2 M6: the first tool is changed to, the second made ready (Mazak)"
         )
 
+    def library(self, number: float) -> list[int]:
+        """L6 of a control of Siemens, where it is not in the file: the change of tool, as M6.
+
+        Raises:
+            InputError: another sub-program.
         """
         if number != 6:
             raise InputError(
@@ -174,6 +179,9 @@ class GcodeMachine:
             builder.set_coolant(COOLANT[function])
         elif function in {128, 129}:
             self._state.tool_centre = function == 128
+        elif function in {428, 429}:
+            self._state.tool_centre = function == 428
+            builder.note("assumed", "M428 is tool centre control, M429 its end (LinuxCNC's demos)")
         elif function in SUBPROGRAMS:
             raise InputError(
                 f"{builder.place}: M{function} calls a sub-program that is not in the file, or by "

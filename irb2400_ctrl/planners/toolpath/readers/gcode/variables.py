@@ -132,6 +132,11 @@ class Variables:
             return self._define(code[defined.end() :], place)
         if not ("#" in code or "[" in code or "=" in code) or _FLOW.search(code):
             return code
+        if "<_HAL[" in code:
+            raise InputError(
+                f"{place}: found #<_hal[…]>, a value of the control, which is not in the file; "
+                "write the number"
+            )
         code = self._assigned(code, place)
         out = ""
         at = 0

@@ -1,0 +1,41 @@
+"""G-code of LinuxCNC: torches, switched kinematics, values of the control."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from gcode_files import program
+
+from irb2400_ctrl.errors import InputError
+
+HEAD = "G21 G90 G17\n"
+
+
+def test_torches_are_named_by_a_dollar(tmp_path: Path) -> None:
+    found = program(tmp_path, f"{HEAD}G0 X0 Y0 Z1\nM3 $0 S1\nG1 X5 F900\nM5 $0\nG0 Z9\nM30\n")
+    assert found.operations[-1].spindle.rpm == 1
+    assert not any("$" in str(note) for note in found.notes)
+    other = program(tmp_path, f"{HEAD}G0 X0 Y0 Z1\nM3 $1 S1\nG1 X5 F900\nM30\n")
+    assert "$1: one of several spindles or torches" in str(other.of_kind("assumed"))
+
+
+def test_the_kinematics_of_the_demos_are_tool_centre_control(tmp_path: Path) -> None:
+    text = f"{HEAD}M428\nG0 X0 Y0 Z9 A0 C0\nG1 X5 Y0 Z1 A30 C90 F900\nM429\nM30\n"
+    found = program(tmp_path, text, "C,A")
+    assert np.allclose(1e3 * found.operation().path.position, [[0, 0, 9], [5, 0, 1]])
+    assert "M428 is tool centre control" in str(found.of_kind("assumed"))
+    axis = found.operation().path.axis
+    assert axis is not None
+    assert np.allclose(axis[-1], [0.5, 0, np.cos(np.radians(30))])
+
+
+def test_values_of_the_control_are_named(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"line 2: found #<_hal\[…\]>, a value of the control"):
+        program(tmp_path, f"{HEAD}F#<_hal[plasmac.cut-feed-rate]>\nG1 X5\n")
+
+
+def test_a_word_e_says_whose_it_may_be(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="3D printing, is a work frame on Fadal"):
+        program(tmp_path, f"{HEAD}E1 X0 Y0 Z5\nG1 X5 F100\n")
