@@ -132,6 +132,36 @@ def test_one_frame_of_all_operations_moves_no_point(tmp_path: Path) -> None:
         program(tmp_path, late)
 
 
+TILTED = (
+    "TRNTYP/WORLD,0,0,0\nCSYS/0,.8,.6,0,-1.,0,0,0,0,-0.6,.8,0\nRAPID/\nGOTO/12,5,16,.6,0,.8\n"
+    "FEDRAT/60,MMPM\nGOTO/6,5,8,.6,0,.8\nGOTO/-2,5,14,.6,0,.8\n"
+)
+
+
+def test_points_that_state_the_axis_of_their_csys_are_in_one_frame(tmp_path: Path) -> None:
+    read = program(tmp_path, f"{TILTED}{CSI}GOTO/0,0,5.\nFINI\n")
+    tilted, upright = (operation.path for operation in read.operations)
+    assert np.allclose(1e3 * tilted.position, [[12, 5, 16], [6, 5, 8], [-2, 5, 14]])
+    assert np.allclose(tilted.axis, [0.6, 0, 0.8])
+    assert np.allclose(1e3 * upright.position, [[0, 0, 25], [0, 0, 5]])
+    # without i,j,k the tool is that of the part as it stands, not the one before
+    assert np.allclose(upright.axis, [0, 0, 1])
+    assert "all are in one frame" in str(read.of_kind("assumed"))
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        TILTED.replace(",.6,0,.8\nGOTO/-2", "\nGOTO/-2"),
+        TILTED.replace("-2,5,14,.6,0,.8", "-2,5,14,0,0,1"),
+        TILTED.replace(".6,0,-1.", ".6,4,-1."),
+    ],
+)
+def test_other_points_behind_several_csys_are_refused(tmp_path: Path, text: str) -> None:
+    with pytest.raises(InputError, match="expected the same CSYS/ in the whole file"):
+        program(tmp_path, f"{text}{CSI}GOTO/0,0,5.\nFINI\n")
+
+
 def test_rapto_beside_fedto_counts_from_the_point(tmp_path: Path) -> None:
     cycle = "CYCLE/DRILL,FEDTO,8.,MMPM,200,CLEAR,15.,RTRCTO,15.,RAPTO,2.\n"
     found = operation(tmp_path, f"{HEAD}{cycle}GOTO/20,0,0\nCYCLE/OFF\nFINI\n")

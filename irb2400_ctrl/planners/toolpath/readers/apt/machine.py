@@ -19,8 +19,10 @@ from irb2400_ctrl.planners.toolpath.readers.program_builder import ProgramBuilde
 class Machine:
     """Carries statements out on the builder."""
 
-    def __init__(self, builder: ProgramBuilder) -> None:
+    def __init__(self, builder: ProgramBuilder, *, in_one_frame: bool = False) -> None:
         self._builder = builder
+        self._in_one_frame = in_one_frame
+        """CSYS/ turns the part, not the points"""
         self._system: Array | None = None
         """what the first CSYS/ states"""
         self._do: dict[str, Callable[[Statement, float], None]] = {
@@ -156,6 +158,14 @@ class Machine:
         """
         builder = self._builder
         X = frames.of_rows(statement.numbers(builder.place), unit, builder.place)
+        if self._in_one_frame:
+            builder.axis = X[:3, 2]
+            builder.note(
+                "assumed",
+                "CSYS/ turns and the points behind it state its z axis as the tool's: all are in "
+                "one frame",
+            )
+            return
         if self._system is None and not builder.moved:
             self._system = X
         known = np.eye(4) if self._system is None else self._system

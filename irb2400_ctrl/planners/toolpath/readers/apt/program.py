@@ -9,6 +9,7 @@ from irb2400_ctrl.planners.toolpath.readers.apt.comments import Comments
 from irb2400_ctrl.planners.toolpath.readers.apt.machine import Machine
 from irb2400_ctrl.planners.toolpath.readers.apt.motion import Motion
 from irb2400_ctrl.planners.toolpath.readers.apt.statements import COMMENT, Statement, statements
+from irb2400_ctrl.planners.toolpath.readers.apt.systems import in_one_frame
 from irb2400_ctrl.planners.toolpath.readers.apt.vocabulary import (
     CALLS,
     IGNORED,
@@ -40,7 +41,7 @@ def read_apt(
     program = list(statements(text, name))
     unit_of = _Units([s for s in program if isinstance(s, Statement)], name, units, builder)
     motion = Motion(builder, dialect)
-    machine = Machine(builder)
+    machine = Machine(builder, in_one_frame=in_one_frame(program))
     comments = Comments(builder)
     for statement in program:
         builder.line = statement.line
