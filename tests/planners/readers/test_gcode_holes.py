@@ -77,6 +77,15 @@ def test_deep_holes_step_by_step(tmp_path: Path, variant: int, rises: bool) -> N
     assert (found[found.index(first) + 1][1] == pytest.approx(4)) is rises
 
 
+def test_what_a_deep_hole_states_and_is_not_carried_out_is_said(tmp_path: Path) -> None:
+    call = "MCALL CYCLE83(5,-1,5,-7,,-2,,0.1,0,0,{},1,,0.5,{})\nX0 Y0\nMCALL\nM30\n"
+    found = program(tmp_path, SIEMENS + call.format("0.5", "1"))
+    says = "FRF (share of the feed for the first depth) 0.5, _VRT (way back at a break) 1 is not"
+    assert says in str(found.of_kind("assumed"))
+    found = program(tmp_path, SIEMENS + call.format("1", ""))
+    assert "not carried out" not in str(found.of_kind("assumed"))
+
+
 def test_tapping_feeds_pitch_times_speed(tmp_path: Path) -> None:
     call = "MCALL CYCLE84(16,10,5,1,,0,3,,1.5,0,400,400,0,1)\nX-20 Y20\nMCALL\nG0 X0\n"
     found = program(tmp_path, f"{SIEMENS}{call}M30\n").operation()

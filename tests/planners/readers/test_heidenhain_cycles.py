@@ -55,6 +55,15 @@ def test_holes(tmp_path: Path, number: int, more: dict[str, float], heights: lis
     assert [e.seconds for e in found.events if e.kind == "dwell"] == [0.5] * ("q211" in more)
 
 
+@pytest.mark.parametrize("breaks", [0.0, 3.0])
+def test_chip_breaking_of_the_control_is_said_to_differ(tmp_path: Path, breaks: float) -> None:
+    more = {"q202": 5.0, "q213": breaks, "q256": 0.4}
+    body = defined(203, **COMMON, **more) + "5 L X+8 Y+9 R0 FMAX M99\n"
+    operation(tmp_path, body)
+    notes = str(read_program(tmp_path / "part.h").of_kind("assumed"))
+    assert ("Q213 and Q256" in notes) is bool(breaks)
+
+
 @pytest.mark.parametrize(
     "calls",
     [

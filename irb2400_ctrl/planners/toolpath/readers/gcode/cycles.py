@@ -6,7 +6,7 @@ import numpy as np
 
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.planners.toolpath.readers.expansion.drilling import HoleCycle
-from irb2400_ctrl.planners.toolpath.readers.gcode.hole_calls import HoleCall, cycle_of
+from irb2400_ctrl.planners.toolpath.readers.gcode.hole_calls import HoleCall, cycle_of, left_out
 from irb2400_ctrl.planners.toolpath.readers.gcode.hole_patterns import PATTERNS, places
 from irb2400_ctrl.planners.toolpath.readers.gcode.state import GcodeState
 from irb2400_ctrl.planners.toolpath.readers.program_builder import ProgramBuilder
@@ -216,6 +216,8 @@ class GcodeCycles:
         plane, cycle = cycle_of(call, state, builder.spindle.rpm, place)
         if call.name in NOT_CARRIED_OUT:
             builder.note("assumed", f"{call.name}: {NOT_CARRIED_OUT[call.name]}")
+        if found := left_out(call):
+            builder.note("assumed", f"{call.name}: {found} is not carried out")
         x, y, _ = state.at
         axis = state.tilt[:3, 2]
         if builder.moved and not np.allclose(axis, builder.axis, atol=1e-6):

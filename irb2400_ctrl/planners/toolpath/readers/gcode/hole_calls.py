@@ -28,6 +28,13 @@ KINDS = {
 }
 # the place of _GMODE, which may count the depth at the shank instead of the tip
 AT_THE_SHANK = {"CYCLE81": 6, "CYCLE82": 6, "CYCLE83": 17}
+# of CYCLE83: name, and the values that ask for nothing
+NOT_OF_THE_WAY = {
+    9: ("DTS (dwell at the start)", {None, 0.0}),
+    10: ("FRF (share of the feed for the first depth)", {None, 0.0, 1.0}),
+    14: ("_VRT (way back at a break)", {None, 0.0}),
+    15: ("_DTD (dwell at the bottom)", {None, 0.0}),
+}
 
 
 @dataclass(frozen=True)
@@ -97,6 +104,16 @@ def cycle_of(
         _feed(at, call, state, place),
         call.name,
     )
+
+
+def left_out(call: HoleCall) -> str:
+    """What `CYCLE83` states of its way and is not carried out; empty where it states nothing."""
+    found = []
+    for place, (name, nothing) in NOT_OF_THE_WAY.items():
+        text = call.arguments[place] if place < len(call.arguments) else ""
+        if call.name == "CYCLE83" and number(text, call.name) not in nothing:
+            found.append(f"{name} {text}")
+    return ", ".join(found)
 
 
 def number(text: str, place: str) -> float | None:

@@ -32,6 +32,8 @@ KINDS = {
 NOT_CARRIED_OUT = {
     201: "out of the hole at the feed of the way in",
     202: "out of the hole at the feed of the way in, without its way aside",
+    203: "back by 0.254 mm at each of its steps; Q213 and Q256 (how often and how far back for "
+    "chips) are not carried out",
     205: "no chip breaking between the steps; each comes out of the hole",
     206: "the spindle is not turned the other way for the way out",
     207: "the spindle is not turned the other way for the way out",
@@ -107,7 +109,7 @@ class PlainCycles:
                 f"{place}: {defined.name} is not read; expected one of the cycles {known}, or let "
                 "the CAM system write its moves"
             )
-        if defined.number in NOT_CARRIED_OUT:
+        if defined.number in NOT_CARRIED_OUT and (defined.number != 203 or defined.values.get(213)):
             builder.note("assumed", f"CYCL DEF {defined.number}: {NOT_CARRIED_OUT[defined.number]}")
         cycle = self._cycle(defined, place)
         x, y, _ = state.at
