@@ -1,4 +1,4 @@
-"""G-code of LinuxCNC: torches, switched kinematics, values of the control."""
+"""G-code of LinuxCNC (torches, switched kinematics, values of the control) and of printers."""
 
 from __future__ import annotations
 
@@ -39,3 +39,10 @@ def test_values_of_the_control_are_named(tmp_path: Path) -> None:
 def test_a_word_e_says_whose_it_may_be(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="3D printing, is a work frame on Fadal"):
         program(tmp_path, f"{HEAD}E1 X0 Y0 Z5\nG1 X5 F100\n")
+
+
+def test_axes_without_numbers_go_home(tmp_path: Path) -> None:
+    found = program(tmp_path, f"{HEAD}G28 X Y ; home\nG28 Z\nG0 X0 Y0 Z5\nG1 X5 F600\n")
+    assert np.allclose(1e3 * found.operation().path.position, [[0, 0, 5], [5, 0, 5]])
+    with pytest.raises(InputError, match="line 2: found 'X Y'"):
+        program(tmp_path, f"{HEAD}G0 X Y\nG1 X5 F600\n")

@@ -72,3 +72,14 @@ def test_the_second_tool_of_a_change_is_made_ready(tmp_path: Path) -> None:
 def test_two_tools_without_a_change_are_refused(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="line 2: found T1 and T2 in one block"):
         program(tmp_path, "G21 G90\nT1 T2\nM6\nG0 X0 Y0 Z9\nG1 Z0 F100\nM30\n")
+
+
+def test_without_any_m6_the_word_t_changes_the_tool(tmp_path: Path) -> None:
+    text = "G21 G90\nT1\nS900 M3\nG0 X0 Y0 Z9\nG1 Z0 F100\nT2\nG0 X1 Y0 Z9\nG1 Z0\n{}M30\n"
+    found = program(tmp_path, text.format(""))
+    assert [operation.tool.number for operation in found.operations] == [1, 2]
+    assert "no M6 in the whole file" in str(found.of_kind("assumed"))
+    # else it only makes it ready
+    found = program(tmp_path, text.format("M6\nG0 X2 Y0 Z9\nG1 Z0\n"))
+    assert [operation.tool.number for operation in found.operations] == [None, 2]
+    assert "no M6" not in str(found.of_kind("assumed"))

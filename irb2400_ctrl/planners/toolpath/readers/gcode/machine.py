@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable
 from dataclasses import replace
 
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.planners.toolpath.cam_program import Spindle, Tool
 from irb2400_ctrl.planners.toolpath.readers.feed import INCH, MM
+from irb2400_ctrl.planners.toolpath.readers.gcode.blocks import Block
 from irb2400_ctrl.planners.toolpath.readers.gcode.cycles import dwell_seconds
 from irb2400_ctrl.planners.toolpath.readers.gcode.frames import PROGRAMMED
 from irb2400_ctrl.planners.toolpath.readers.gcode.state import COOLANT, GcodeState
@@ -38,6 +40,15 @@ class GcodeMachine:
         self._state = state
         self._unit_said = (0, MM, "")
         """line, unit [m] and text of the comment that names one"""
+        self._changes_at_t = False
+
+    def survey(self, blocks: Iterable[Block]) -> None:
+        """Before the first block: in a file without M6 (L6 of Siemens) T itself is the change."""
+        self._changes_at_t = not any(
+            6 in [*block.codes("M"), *block.codes("L")]
+            or any(HIDDEN_CHANGE.match(text) for text in block.comments)
+            for block in blocks
+        )
 
     def before(
         self, functions: list[int], values: dict[str, float], orders: tuple[str, ...]
@@ -52,6 +63,9 @@ class GcodeMachine:
             )
         if "T" in values:
             state.next_tool = int(values["T"])
+            if self._changes_at_t and 0 != state.next_tool != builder.tool.number:
+                builder.note("assumed", "no M6 in the whole file: T itself changes the tool")
+                self._change()
         if 6 in functions:
             self._change()
         if "S" in values:

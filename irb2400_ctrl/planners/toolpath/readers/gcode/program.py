@@ -59,9 +59,7 @@ def read_gcode(
     variables = Variables()
     lines, notes = in_order(text, name, variables)
     listed = list(blocks(lines, name, variables))
-    words = {letter for block in listed if isinstance(block, Block) for letter in block.values()}
-    if "Z" not in words and {"X", "Y"} & words:
-        reader.flat()
+    reader.survey([block for block in listed if isinstance(block, Block)])
     for index, block in enumerate(listed):
         builder.line = block.line
         if reader.ended:
@@ -128,7 +126,14 @@ class _Reader:
         """Nothing may be left open."""
         self._motion.splines.none_open()
 
-    def flat(self) -> None:
+    def survey(self, listed: list[Block]) -> None:
+        """What the whole file says of single blocks."""
+        words = {letter for block in listed for letter in block.values()}
+        if "Z" not in words and {"X", "Y"} & words:
+            self._flat()
+        self._machine.survey(listed)
+
+    def _flat(self) -> None:
         """No Z in the whole file, as for lasers and plotters."""
         self._state.at[2] = 0.0
         self._builder.line = 1
