@@ -81,8 +81,9 @@ REWRITTEN = (
     (re.compile(r"(\bG61\.1)\s*,\s*[A-Z]\s*\d+", re.IGNORECASE), r"\1"),
     # axes that go home (3D printers): G28 X Y
     (re.compile(r"(\bG28)(?:\s*[XYZ](?!\s*[-+.\d=\[#]))+", re.IGNORECASE), r"\1"),
-    # the name of a program (Okuma)
-    (re.compile(r"^\s*\$[\w.-]+%?\s*$"), ""),
+    # home, settings and questions of GRBL, but no jog ($J=…); the name of a program (Okuma)
+    (re.compile(r"^\s*\$H\s*(?=[;(]|$)", re.IGNORECASE), "G28 "),
+    (re.compile(r"^\s*(?:\$(?!J=)[\w$#.=-]+%?|\?)\s*(?=[;(]|$)", re.IGNORECASE), ""),
 )
 
 

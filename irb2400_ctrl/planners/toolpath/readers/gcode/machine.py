@@ -41,14 +41,19 @@ class GcodeMachine:
         self._unit_said = (0, MM, "")
         """line, unit [m] and text of the comment that names one"""
         self._changes_at_t = False
+        self._jet = False
 
     def survey(self, blocks: Iterable[Block]) -> None:
-        """Before the first block: in a file without M6 (L6 of Siemens) T itself is the change."""
-        self._changes_at_t = not any(
-            6 in [*block.codes("M"), *block.codes("L")]
-            or any(HIDDEN_CHANGE.match(text) for text in block.comments)
-            for block in blocks
-        )
+        """Before the first block: in a file without M6 (L6 of Siemens) T itself is the change; in
+        one with M7 and M8, but neither M9 nor a spindle, M8 ends what M7 starts."""
+        functions: set[float] = set()
+        self._changes_at_t = True
+        for block in blocks:
+            functions.update(block.codes("M"))
+            if 6 in block.codes("L") or any(HIDDEN_CHANGE.match(text) for text in block.comments):
+                self._changes_at_t = False
+        self._changes_at_t &= 6 not in functions
+        self._jet = functions >= {7, 8} and not functions & {3, 4, 9, 13, 14}
 
     def before(
         self, functions: list[int], values: dict[str, float], orders: tuple[str, ...]
@@ -61,7 +66,8 @@ class GcodeMachine:
                 "assumed",
                 f"${values['$']:g}: one of several spindles or torches, taken for the one",
             )
-        if "T" in values:
+        # M204 T500 and its like are settings of printers
+        if "T" in values and max(functions, default=0) < 100:
             state.next_tool = int(values["T"])
             if self._changes_at_t and 0 != state.next_tool != builder.tool.number:
                 builder.note("assumed", "no M6 in the whole file: T itself changes the tool")
@@ -189,6 +195,12 @@ class GcodeMachine:
             builder.set_coolant("flood")
         elif function == 5:
             builder.set_spindle(Spindle(0.0, builder.spindle.clockwise))
+        elif self._jet and function in {7, 8}:
+            builder.set_coolant(COOLANT[7 if function == 7 else 9])
+            builder.note(
+                "assumed",
+                "neither a spindle nor M9 in the whole file: M7 starts and M8 ends the jet or beam",
+            )
         elif function in COOLANT:
             builder.set_coolant(COOLANT[function])
         elif function in {128, 129}:

@@ -1,4 +1,4 @@
-"""G-code of LinuxCNC (torches, switched kinematics, values of the control) and of printers."""
+"""G-code of small controls: LinuxCNC, GRBL, printers, jets."""
 
 from __future__ import annotations
 
@@ -46,3 +46,25 @@ def test_axes_without_numbers_go_home(tmp_path: Path) -> None:
     assert np.allclose(1e3 * found.operation().path.position, [[0, 0, 5], [5, 0, 5]])
     with pytest.raises(InputError, match="line 2: found 'X Y'"):
         program(tmp_path, f"{HEAD}G0 X Y\nG1 X5 F600\n")
+
+
+def test_orders_to_grbl_itself_move_nothing(tmp_path: Path) -> None:
+    orders = "$H\n$X ; unlock\n$$\n?\n$110=500\n"
+    found = program(tmp_path, f"{orders}{HEAD}G0 X0 Y0 Z5\nG1 X5 F600\n")
+    assert np.allclose(1e3 * found.operation().path.position, [[0, 0, 5], [5, 0, 5]])
+    with pytest.raises(InputError, match="line 1: found '"):
+        program(tmp_path, f"$J=X10 Y5 F100\n{HEAD}G0 X0 Y0 Z5\nG1 X5 F600\n")
+
+
+def test_a_setting_of_a_printer_is_no_tool(tmp_path: Path) -> None:
+    found = program(tmp_path, f"{HEAD}M204 P500 R1000 T500\nG0 X0 Y0 Z5\nG1 X5 F600\n")
+    assert found.operation().tool.number is None
+
+
+@pytest.mark.parametrize(("start", "ends"), [("", "off"), ("M3 S1\n", "flood"), ("M9\n", "flood")])
+def test_m8_ends_a_jet_where_no_m9_does(tmp_path: Path, start: str, ends: str) -> None:
+    text = f"{HEAD}{start}G0 X0 Y0 Z0\nM7\nG1 X5 F600\nM8\nG0 X9\nM30\n"
+    found = program(tmp_path, text)
+    coolant = [event.text for event in found.operation().events if event.kind == "coolant"]
+    assert coolant == ["mist", ends]
+    assert ("M8 ends the jet" in str(found.of_kind("assumed"))) is (ends == "off")
