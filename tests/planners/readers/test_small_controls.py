@@ -68,3 +68,16 @@ def test_m8_ends_a_jet_where_no_m9_does(tmp_path: Path, start: str, ends: str) -
     coolant = [event.text for event in found.operation().events if event.kind == "coolant"]
     assert coolant == ["mist", ends]
     assert ("M8 ends the jet" in str(found.of_kind("assumed"))) is (ends == "off")
+
+
+def test_numbers_with_an_exponent_as_scripts_print_them(tmp_path: Path) -> None:
+    found = program(tmp_path, f"{HEAD}G0 X0 Y0 Z5\nG1 X6.123e-17 Y-1.5e+01 Z5 F600\n")
+    assert np.allclose(1e3 * found.operation().path.position[-1], [0, -15, 5])
+    for pushed in ("E-5", "E0.5", "E-0.5", " E-10"):
+        with pytest.raises(InputError, match="line 3: found the word E"):
+            program(tmp_path, f"{HEAD}G0 X0 Y0 Z5\nG1 X1.5{pushed}\n")
+
+
+def test_a_work_frame_that_the_file_sets_says_what_to_do(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"line 2: G10 is a change .* delete the line"):
+        program(tmp_path, f"{HEAD}G10 L2 P1 X-315. Y-315. Z-689.\nG0 X0 Y0 Z5\nG1 X5 F600\n")

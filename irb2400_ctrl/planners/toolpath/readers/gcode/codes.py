@@ -24,7 +24,8 @@ REFUSED = {
     5.2: "a spline",
     6.3: "a spline",
     7: "programming in diameters",
-    10: "a change of the control's offsets",
+    10: "a change of the control's offsets (where it only says before the first motion where the "
+    "part lies on the machine, delete the line)",
     31: "a probe",
     33: "thread cutting",
     38.2: "a probe",

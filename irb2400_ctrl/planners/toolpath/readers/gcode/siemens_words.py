@@ -5,7 +5,8 @@ from __future__ import annotations
 
 import re
 
-NUMBER = r"([-+]?(?:\d+\.?\d*|\.\d+))"
+# an exponent (6.1e-17, as scripts print numbers) has a sign and two digits; E of printers has not
+NUMBER = r"([-+]?(?:\d+\.?\d*|\.\d+)(?:E[-+]\d{2,3}(?![\d.]))?)"
 # an angle to turn to, in G91 too: C=DC(30), C=AC(30)
 TO_ANGLE = "TOANGLE"
 # transformation, acceleration, feed, compression, dynamics, look-ahead, approach, protected zones
