@@ -22,10 +22,11 @@ from irb2400_ctrl.plausibility.agreement import (
 )
 from irb2400_ctrl.plausibility.channels import channel_problem
 from irb2400_ctrl.plausibility.cost_of_noise import torque_from_angle_noise
+from irb2400_ctrl.plausibility.criteria import SOUND_LEFT
 from irb2400_ctrl.plausibility.parts import silent_problem
 from irb2400_ctrl.plausibility.problem import LogProblem, named
 from irb2400_ctrl.plausibility.rows import SHORTEST
-from irb2400_ctrl.plausibility.search import SOUND_LEFT, Understanding, percent, understand
+from irb2400_ctrl.plausibility.search import Understanding, percent, understand
 from irb2400_ctrl.plausibility.standing import standing_remarks
 from irb2400_ctrl.plausibility.travel import fastest, haste_problem, travel_problem, travelled
 from irb2400_ctrl.robot import Robot

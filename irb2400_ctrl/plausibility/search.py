@@ -7,10 +7,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from irb2400_ctrl.arrays import Array, Mask
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.measurement.log import Log
+from irb2400_ctrl.plausibility.criteria import FITS_PRICE, MARGIN, clearly_better, sound
 from irb2400_ctrl.plausibility.evidence import MISFITS, Fit, Nominal
 from irb2400_ctrl.plausibility.jumps import MOVES
+from irb2400_ctrl.plausibility.mounting import mounting_problem
 from irb2400_ctrl.plausibility.parts import best_part
 from irb2400_ctrl.plausibility.problem import LogProblem
 from irb2400_ctrl.plausibility.reading import (
@@ -24,16 +26,6 @@ from irb2400_ctrl.plausibility.scales import scale_readings
 from irb2400_ctrl.plausibility.travel import fastest
 from irb2400_ctrl.robot import Robot
 
-SOUND_PRICE = 35.0
-"""of six joints: below this, with no joint badly explained, nothing else is tried"""
-SOUND_LEFT = 0.4
-"""share of a joint's torque left that is still well explained"""
-MARGIN = 30.0
-"""twice the log evidence by which another reading must be better"""
-SHARE = 0.2
-"""and over the cost of the reading before it"""
-HALF = 0.5
-"""of what is left, joint by joint in its own size, is the most that it may leave"""
 SHARP_GAIN = 60.0
 """of six joints: twice the log evidence, each reading with the misfit it supports, by which another
 reading of one joint must be better where the labelled one is not bad"""
@@ -43,10 +35,6 @@ FINALISTS = 4
 """readings that are then compared on all rows"""
 STEPS = 3
 """readings on top of each other at most"""
-BEYOND = 200.0
-"""a price that only numbers far from the robot's reach: then a good fit proves nothing"""
-FITS_PRICE = 150.0
-"""of six joints: a reading that leaves more than this does not fit either"""
 LOST_PRICE = 300.0
 """of six joints: above this, and no reading that fits, the log is not this robot's"""
 SINGLE = ("angle_unit", "angle_sign", "axis_sign", "torque_sign", "coupling")
@@ -157,28 +145,9 @@ def _understood(nominal: Nominal, log: Log, rows: Rows) -> Understanding:
         clear = clearly_better(part, labelled, on=moves)
         if better and clear and part.price < FITS_PRICE * scale:
             problem = said
+        least = min(best.cost, part.cost)
+        problem = mounting_problem(nominal, rows, labelled, least, problem) or problem
     return Understanding(labelled, best, reading, problem)
-
-
-def sound(fit: Fit, n: int) -> bool:
-    """Whether a reading of n joints is explained so well that no other needs to be tried."""
-    return fit.price < SOUND_PRICE * n / 6.0 and bool(fit.left.max() < SOUND_LEFT)
-
-
-def clearly_better(
-    one: Fit, other: Fit, hidden: bool = False, on: Mask | slice = slice(None)
-) -> bool:
-    """Whether a reading is so much better than another that the log is not what the other says.
-
-    Args:
-        one: the reading; other: what it is held against.
-        hidden: whether bodies far from the file's would leave as little without it: a scale of the
-            torques, which they make up for.
-        on: joints of which little must be left; default all, shape (n,).
-    """
-    gain = other.cost - one.cost
-    less = np.sum(one.left[on] ** 2) < HALF * np.sum(other.left[on] ** 2)
-    return gain > max(MARGIN, SHARE * other.cost) and bool(hidden or less or other.price > BEYOND)
 
 
 def _slowed(robot: Robot, log: Log, reading: Reading) -> bool:
