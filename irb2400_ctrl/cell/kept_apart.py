@@ -7,6 +7,8 @@ assistant decides so, too.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from irb2400_ctrl.arrays import Array
@@ -18,6 +20,8 @@ from irb2400_ctrl.robot.outline import KeptApart
 POSTURES = 1000
 ALWAYS = 0.95
 """part of the postures"""
+OFTEN = 0.5
+"""part of the postures with a touch, from which the pairs that make it are named"""
 
 
 def with_kept_apart(robot: Robot) -> tuple[Robot, list[str]]:
@@ -45,11 +49,30 @@ def with_kept_apart(robot: Robot) -> tuple[Robot, list[str]]:
         apart.append(KeptApart(bodies=bodies, why=why))
         notes.append(f"{bodies[0]} and {bodies[1]} are not compared with each other: {why}")
     notes.append(
-        f"outline: {len(scene.arm)} shapes; the arm touches itself in {100 * left.mean():.2g} % of "
-        f"{POSTURES:,} random postures within its ranges"
+        f"outline: {len(scene.arm)} shapes; the arm touches itself in {100 * left.mean():.3g} % of "
+        f"{POSTURES:,} random postures within its ranges{_mostly(touching, left)}"
     )
     outline = robot.outline.model_copy(update={"kept_apart": tuple(apart)})
     return robot.model_copy(update={"outline": outline}), notes
+
+
+def _mostly(touching: Mapping[tuple[str, str], Array], left: Array) -> str:
+    """Which pairs touch most, where an arm touches itself at most postures: bodies of few corners
+    around hollow links do where the links do not.
+
+    Args:
+        touching: of each pair of bodies, whether they touch at each posture, shape (postures,).
+        left: whether any pair does that is compared, shape (postures,).
+    """
+    if left.mean() < OFTEN:
+        return ""
+    shares = {pair: at.mean() for pair, at in touching.items() if at.mean() < ALWAYS}
+    worst = sorted(shares, key=lambda pair: -shares[pair])[:3]
+    named = ", ".join(f"{one} and {two} in {100 * shares[one, two]:.0f} %" for one, two in worst)
+    return (
+        f": {named}; where the links themselves do not, list the pair under [[outline.kept_apart]] "
+        "of the robot file"
+    )
 
 
 def _touching(scene: Scene, robot: Robot) -> Array:

@@ -14,6 +14,8 @@ from irb2400_ctrl.trajectory.trajectory import RATE
 SHARE = 0.6
 """of range and speed that the motions use [-]"""
 DURATION = 10.0
+UNKNOWN_SPEED = 1.0
+"""[rad/s] of a joint whose speed limit the robot file does not state"""
 
 
 @dataclass(frozen=True)
@@ -37,14 +39,15 @@ class TorqueDifference:
 
 def standard_motions(robot: Robot) -> list[StandardMotion]:
     """Each joint swinging alone, then all together (three mixtures of sines), inside range and
-    speed limits."""
+    speed limits; where a speed limit is unknown, at a radian a second."""
+    fastest = np.where(np.isfinite(robot.qd_bound), robot.qd_bound, UNKNOWN_SPEED)
     time = np.arange(0.0, DURATION, 1 / RATE)
     middle = (robot.q_max + robot.q_min) / 2
     half = (robot.q_max - robot.q_min) / 2
     motions = []
     for i in range(robot.n):
         amplitude = SHARE * half * np.eye(robot.n)[i]
-        frequency = np.full(robot.n, SHARE * robot.qd_max[i] / amplitude[i])
+        frequency = np.full(robot.n, SHARE * fastest[i] / amplitude[i])
         motions.append(
             _sines(f"axis {i + 1} alone", time, middle, amplitude[None], frequency[None])
         )
@@ -52,7 +55,7 @@ def standard_motions(robot: Robot) -> list[StandardMotion]:
         rng = np.random.default_rng(seed)
         share = rng.dirichlet(np.ones(3), robot.n).T
         frequency = rng.uniform(0.5, 2.0, (3, robot.n))
-        amplitude = SHARE * share * np.minimum(half, robot.qd_max / frequency)
+        amplitude = SHARE * share * np.minimum(half, fastest / frequency)
         motions.append(_sines(f"all axes, mixture {seed + 1}", time, middle, amplitude, frequency))
     return motions
 

@@ -116,6 +116,17 @@ class TestTorqueDifference:
                 np.gradient(motion.qd, step, axis=0)[1:-1], motion.qdd[1:-1], atol=0.6
             )
 
+    def test_an_unknown_speed_limit_hinders_no_motion(self, robot: irb.Robot) -> None:
+        """`robot export` ended where a file states no speed and a body had to be moved."""
+        unknown = [
+            joint.model_copy(
+                update={"limits": joint.limits.model_copy(update={"speed_deg_s": None})}
+            )
+            for joint in robot.joints
+        ]
+        for motion in standard_motions(robot.model_copy(update={"joints": tuple(unknown)})):
+            assert 0.0 < np.abs(motion.qd).max() <= 1.0
+
     def test_difference_is_what_the_tensors_make(self, robot: irb.Robot) -> None:
         projected, _ = project(robot)
         found = {d.motion: d for d in torque_differences(robot, projected)}

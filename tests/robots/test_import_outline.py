@@ -239,13 +239,22 @@ def test_bodies_that_overlap_by_construction_are_listed(tmp_path: Path) -> None:
     assert "100 % of 1,000 postures" in pair.why
 
 
+def test_where_an_arm_touches_itself_at_most_postures_the_pairs_are_named(tmp_path: Path) -> None:
+    """Of a Baxter, whose torso is one convex body, `1e+02 %` was all that was said."""
+    far = SHAPES | {"link_2": '<box size="0.9 0.3 0.3"/>@0.5 0 0@0 0 0'}
+    _, notes = with_kept_apart(import_robot(drawn_urdf(tmp_path, shapes=far)).robot)
+    (said,) = [note for note in notes if note.startswith("outline:")]
+    assert re.search(r"itself in \d{2}(\.\d)? % of .*: \w+ and \w+ in \d+ %", said)
+    assert "[[outline.kept_apart]]" in said
+
+
 @pytest.mark.parametrize(
     ("shape", "says"),
     [
         ('<mesh filename="package://other/meshes/none.stl"/>', "--meshes FOLDER"),
         ('<mesh filename="../meshes/upper.stl"/>', "larger than 20 m"),
         ('<mesh filename="../urdf/arm.urdf"/>', "cannot be read"),
-        ('<box size="1 0 1"/>', "expected lengths"),
+        ('<box size="1 0 1"/>', "found the size (1, 0, 1) m, expected lengths above 0"),
         ('<mesh filename="../meshes/centi.dae"/>', "expected a number"),
         ('<torus radius="1"/>', "torus is not read"),
     ],

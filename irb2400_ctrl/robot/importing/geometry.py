@@ -90,7 +90,8 @@ class Geometry:
     def _size(self, count: int) -> tuple[float, ...]:
         size = np.array(self.size)
         if len(size) != count or not (np.isfinite(size) & (size > 0)).all():
-            raise InputError(f"{self.kind}: found the size {list(self.size)}, expected lengths")
+            found = ", ".join(f"{value:g}" for value in size)
+            raise InputError(f"{self.kind}: found the size ({found}) m, expected lengths above 0")
         if size.max() > _LARGEST:
             raise InputError(f"{self.kind}: {_TOO_LARGE}")
         return self.size
