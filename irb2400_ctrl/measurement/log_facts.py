@@ -19,6 +19,10 @@ NORMAL = 0.6745
 """median of the size of a normal variable over its standard deviation"""
 LAG = 0.25
 """[s] longest lag that is looked for"""
+WHOLE = 0.1
+"""of a digit, within which a step is a whole number of digits"""
+MOSTLY = 0.9
+"""share of the steps that are, of a digit (random ones: twice `WHOLE`)"""
 
 
 @dataclass(frozen=True)
@@ -29,7 +33,7 @@ class LogFacts:
         rate: of the even sampling [Hz]; duration: [s]; samples: count.
         base: what is known of the instants.
         gaps: pauses longer than 2.5 periods; longest_gap: [s].
-        angle_digit, torque_digit: smallest step of a column [rad], [Nm]; zero where it never moves.
+        angle_digit, torque_digit: digit of a column [rad], [Nm]; zero where it never moves.
         angle_noise, torque_noise: rms of what neighbours disagree about [rad], [Nm].
         lag: of the angle behind the commanded one [s], NaN where a joint rests; None without it.
         travel: range of each joint [rad]; torque: rms torque of each joint [Nm].
@@ -101,14 +105,33 @@ def log_facts(log: Log) -> LogFacts:
 
 
 def digit(signal: Array) -> Array:
-    """Smallest step between values of a column that are next to each other in size, shape (n,)."""
-    found = np.zeros(signal.shape[1])
-    for j in range(signal.shape[1]):
-        steps = np.diff(np.unique(signal[:, j]))
-        # values that rounding makes differ in the last bits are one value
-        steps = steps[steps > 1e-10 * np.abs(signal[:, j]).max(initial=0.0)]
-        found[j] = steps.min(initial=np.inf) if len(steps) else 0.0
-    return found
+    """The step of which the values of a column are whole multiples apart, shape (n,).
+
+    The smallest step between values that are next to each other in size is no digit where a joint
+    only moves: then it is how far it moved from row to row, and Euclid's algorithm goes on from
+    there. A column without digits has one of rounding.
+    """
+    return np.array([_digit(column) for column in signal.T])
+
+
+def _digit(column: Array) -> float:
+    """As of `digit`, of one column, shape (m,)."""
+    steps = np.diff(np.unique(column))
+    # values that rounding makes differ in the last bits are one value
+    rounding = float(1e-10 * np.abs(column).max(initial=0.0))
+    steps = steps[steps > rounding]
+    if not len(steps):
+        return 0.0
+    while len(steps):
+        found = float(steps.min())
+        # of the rest, not of the steps: an error of the digit counts as often as it goes into one
+        rest = np.abs(steps - found * np.round(steps / found))
+        # digits of a sensor are printed in those of a file: what is nearly whole is whole
+        more = rest[rest > WHOLE * found]
+        if len(more) < (1.0 - MOSTLY) * len(steps):
+            return found
+        steps = more[more > rounding]
+    return rounding
 
 
 def neighbour_noise(signal: Array) -> Array:
