@@ -14,7 +14,7 @@ from irb2400_ctrl.identification.few_samples import few_samples
 from irb2400_ctrl.identification.moved import ALARM, NAMES, Moved
 from irb2400_ctrl.measurement import Log
 from irb2400_ctrl.measurement.prepared_log import UNEVEN
-from irb2400_ctrl.report.elements.page import Page, sentence, with_error
+from irb2400_ctrl.report.elements.page import Grade, Page, sentence, with_error
 from irb2400_ctrl.report.elements.plots import Line, joint_plots, parity, small, spectrum
 from irb2400_ctrl.report.figures.friction_figures import friction_figure, law_rows, run_figure
 from irb2400_ctrl.report.figures.residual_figures import (
@@ -47,7 +47,7 @@ TWICE = 1.96
 def identification_page(result: Identification, logs: Sequence[Log] = ()) -> Page:
     """The whole report; with the logs the first of them is replayed."""
     page = Page(f"Identification of {result.given.name}")
-    page.answer(_sentence(result), "good", _facts(result))
+    page.answer(_sentence(result), _grade(result), _facts(result))
     page.heading("What was found")
     for note in result.notes or ["the bodies of the file are this arm's"]:
         page.finding(sentence(note))
@@ -98,20 +98,38 @@ def identification_page(result: Identification, logs: Sequence[Log] = ()) -> Pag
     return page
 
 
+def _judges(result: Identification) -> list[LogResult]:
+    """The logs that no fit has seen, where some were given; else all, on stretches held out."""
+    held = [log for log in result.logs if log.role == "validation"]
+    return held or list(result.logs)
+
+
 def _worst(result: Identification) -> LogResult:
     """The log of which most is left that the fit had not seen."""
-    return max(result.logs, key=lambda log: float(np.median(_shares(log, "unseen"))))
+    return max(_judges(result), key=lambda log: float(np.median(_shares(log, "unseen"))))
+
+
+def _medians(log: LogResult) -> tuple[float, float]:
+    """What the file leaves of a log and what the arm does, unseen: medians of the joints [%]."""
+    return float(np.median(_shares(log, "before"))), float(np.median(_shares(log, "unseen")))
 
 
 def _sentence(result: Identification) -> str:
     """How much of the torque the file left, and what is left now, on what the fit had not seen."""
     log = _worst(result)
-    before, after = (float(np.median(_shares(log, which))) for which in ("before", "unseen"))
-    where = f", on {Path(log.name).name}, the worst of the logs" if len(result.logs) > 1 else ""
+    before, after = _medians(log)
+    worst = ", the worst of the logs" if len(_judges(result)) > 1 else ""
+    where = f", on {Path(log.name).name}{worst}" if len(result.logs) > 1 else ""
     return (
         f"The identified arm predicts torque it has not seen to {after:.1f} % of its mean (median "
         f"of the joints{where}); the file as given to {before:.1f} %."
     )
+
+
+def _grade(result: Identification) -> Grade:
+    """Good where the identified arm predicts better than its file."""
+    before, after = _medians(_worst(result))
+    return "good" if after < before else "note"
 
 
 def _shares(log: LogResult, which: str) -> Array:
