@@ -105,6 +105,14 @@ RENAMED = {
 """old name -> new name, both below `irb2400_ctrl`"""
 
 
+class KeepsItsPromises(ModuleType):
+    """A package whose functions stay where they are when a module of the same name is loaded."""
+
+    def __setattr__(self, name: str, value: object) -> None:
+        if not (isinstance(value, ModuleType) and callable(getattr(self, name, None))):
+            super().__setattr__(name, value)
+
+
 class OldNames(MetaPathFinder, Loader):
     """Finds a module under the name it had before; asked only where no such file exists."""
 
@@ -127,6 +135,8 @@ class OldNames(MetaPathFinder, Loader):
             stacklevel=2,
         )
         module = importlib.import_module(spec.origin)
+        # what imports a module makes it an attribute of its package
+        sys.modules[spec.name.rpartition(".")[0]].__class__ = KeepsItsPromises
         self._true_specs[spec.origin] = module.__spec__
         return module
 

@@ -6,6 +6,7 @@ import importlib
 import sys
 
 import pytest
+from test_promises import run
 
 from irb2400_ctrl._renamed import PACKAGE, RENAMED
 
@@ -23,3 +24,21 @@ def test_an_old_module_name_leads_to_the_new_module_and_says_so(
     assert found is importlib.import_module(PACKAGE + RENAMED[old])
     assert found.__spec__ is not None
     assert found.__spec__.name == PACKAGE + RENAMED[old]
+
+
+def test_no_old_name_takes_the_place_of_a_promised_function() -> None:
+    code = """
+import importlib, warnings
+from irb2400_ctrl._renamed import PACKAGE, RENAMED
+warnings.simplefilter("ignore")
+both = []
+for old in RENAMED:
+    package, _, name = (PACKAGE + old).rpartition(".")
+    before = getattr(importlib.import_module(package), name, None)
+    importlib.import_module(PACKAGE + old)
+    if callable(before):
+        both.append(name)
+        assert getattr(importlib.import_module(package), name) is before, old
+print(*sorted(both))
+"""
+    assert run(code).split() == ["close_loop", "path_dynamics", "read_path"]
