@@ -78,18 +78,3 @@ def whole(name: str, value: object, least: int = 0) -> int:
     if not isinstance(value, int | np.integer) or value < least:
         raise InputError(f"{name}: found {value!r:.60}, expected a whole number, at least {least}")
     return int(value)
-
-
-def one_of(name: str, value: object, words: tuple[str, ...]) -> None:
-    """Refuse what is none of the words.
-
-    Args:
-        name: of the argument.
-        value: as given.
-        words: that are expected.
-
-    Raises:
-        InputError: it is another.
-    """
-    if value not in words:
-        raise InputError(f"{name}: found {value!r:.60}, expected {' or '.join(words)}")

@@ -49,7 +49,7 @@ WRONG: dict[str, tuple[Callable[[], object], str]] = {
     "two samples": (lambda: simulation.Actuators(delay_samples=2), "Actuators: found delay"),
     "a dict for sensors": (
         lambda: simulation.make_loop(ARM, "pid", sensors={"rate_Hz": 250}),  # type: ignore[arg-type]
-        r"sensors: found a dict; expected Sensors\(",
+        r"sensors: found a dict, expected Sensors\(",
     ),
     "half a step": (
         lambda: simulation.plant_block(ARM, substeps=1.5),  # type: ignore[arg-type]
@@ -107,7 +107,7 @@ WRONG: dict[str, tuple[Callable[[], object], str]] = {
     "no pool": (lambda: excitation.Budget(pool=-1), "pool: found -1"),
     "half a field": (
         lambda: codegen.Field("f", 1.5, "", ""),  # type: ignore[arg-type]
-        "size of field 'f': found 1.5",
+        "size: found 1.5",
     ),
     "an unknown precision": (
         lambda: codegen.Package(irb.controller("pid", ARM), "half"),  # type: ignore[arg-type]

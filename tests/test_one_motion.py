@@ -183,7 +183,7 @@ def test_rows_too_far_apart_are_given_but_not_followed() -> None:
 
 def test_what_is_no_motion_is_refused_with_a_reason(plan: Plan) -> None:
     t = plan.trajectory
-    with pytest.raises(InputError, match=r"found a Plan; expected a Trajectory"):
+    with pytest.raises(InputError, match=r"found a Plan, expected a Trajectory"):
         simulate(ROBOT, plan, "computed_torque")  # type: ignore[arg-type]
     with pytest.raises(InputError, match="torques"):
         Trajectory(t.time, t.q, t.qd, t.qdd, plan.tau[:-1])

@@ -12,11 +12,13 @@ from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.reading import bounded_text, toml_tables
 from irb2400_ctrl.robot.file_problems import explain
 from irb2400_ctrl.robot.shape import Box, Capsule, Cylinder, Sphere
+from irb2400_ctrl.typed import typed
 
 TABLES: list[type[BaseModel]] = [Cell, CellTool, Mesh, Placed, Rail, Thing]
 TABLES += [Plate, PlateAxis, Box, Capsule, Cylinder, Sphere]
 
 
+@typed
 def load_cell(source: str | Path) -> Cell:
     """The cell of a TOML file; meshes are looked for beside it.
 

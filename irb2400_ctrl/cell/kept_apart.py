@@ -16,6 +16,7 @@ from irb2400_ctrl.cell.scene import Scene
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.robot import Robot
 from irb2400_ctrl.robot.outline import KeptApart
+from irb2400_ctrl.typed import typed
 
 POSTURES = 1000
 ALWAYS = 0.95
@@ -24,6 +25,7 @@ OFTEN = 0.5
 """part of the postures with a touch, from which the pairs that make it are named"""
 
 
+@typed
 def with_kept_apart(robot: Robot) -> tuple[Robot, list[str]]:
     """The arm with the pairs listed in its outline that touch nearly always, and notes on them.
 

@@ -13,6 +13,7 @@ from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.robot import Robot, Transform
 from irb2400_ctrl.robot.outline import BASE, SPINDLE, TOOL
 from irb2400_ctrl.robot.shape import Box, Hull, Solid
+from irb2400_ctrl.typed import typed
 
 FLOOR = "floor"
 # the floor is a slab of this size [mm]: wide enough for any arm, thick enough to be told from below
@@ -94,6 +95,7 @@ def arm_pieces(robot: Robot, tool: CellTool | None = None) -> list[Piece]:
     return found
 
 
+@typed
 def with_tool(robot: Robot, tool: CellTool) -> Robot:
     """The arm with the TCP at the tip of a tool of the cell.
 

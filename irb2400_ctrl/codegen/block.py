@@ -15,12 +15,14 @@ from irb2400_ctrl.codegen.build import CompiledFunction, compile_function
 from irb2400_ctrl.codegen.host_library import Real
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.given import whole
+from irb2400_ctrl.typed import typed
 
 Array = NDArray[Any]
 Origin = tuple[tuple[str, str], ...]
 """(what, which) pairs in the order in which they are told"""
 
 
+@typed
 @dataclass(frozen=True)
 class Field:
     """A named vector of a block.
@@ -191,6 +193,7 @@ class CompiledBlock:
         }
 
 
+@typed
 def compile_block(block: Block, *, real: Real = "double") -> CompiledBlock:
     """Machine code of a block's step for this computer."""
     return CompiledBlock(block, compile_function(block.flat(), real=real))

@@ -6,7 +6,7 @@ import ctypes
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
-from typing import Any, get_args
+from typing import Any
 
 import casadi as ca
 import numpy as np
@@ -22,13 +22,14 @@ from irb2400_ctrl.codegen.host_library import (
 from irb2400_ctrl.codegen.machine_code.build_cache import load_shared
 from irb2400_ctrl.codegen.machine_code.interpreted import Interpreter, say_slow
 from irb2400_ctrl.errors import InputError, ToolMissingError
-from irb2400_ctrl.given import one_of
 from irb2400_ctrl.symbolic import as_sx
+from irb2400_ctrl.typed import typed
 
 Array = NDArray[Any]
 Shape = tuple[int, int]
 
 
+@typed
 def compile_function(
     fn: ca.Function,
     *,
@@ -54,8 +55,6 @@ def compile_function(
     Raises:
         InputError: `fn` holds an operation that has no C form, or an unknown precision or math.
     """
-    one_of("real", real, get_args(Real))
-    one_of("math", math, get_args(Math))
     fn = as_sx(fn)
     source = partial(host_source, fn, real=real, math=math, lanes=lanes)
     made_of = what_text_follows_from(fn, real=real, math=math, lanes=lanes)

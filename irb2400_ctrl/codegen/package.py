@@ -5,7 +5,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property, partial
-from typing import get_args
 
 import numpy as np
 
@@ -39,7 +38,7 @@ from irb2400_ctrl.codegen.names import name_nodes
 from irb2400_ctrl.codegen.own_math import prelude
 from irb2400_ctrl.codegen.provenance import constant, flash_text, provenance, stamped
 from irb2400_ctrl.errors import InputError
-from irb2400_ctrl.given import one_of
+from irb2400_ctrl.typed import typed
 
 FAULT_INPUT = 1
 """status bit: an input is not a number or outside its range"""
@@ -49,6 +48,7 @@ FAULT_PARAMETERS = 4
 """status bit of NAME_init: a parameter is not a number or outside its range"""
 
 
+@typed
 @dataclass(frozen=True)
 class Package:
     """The texts of a C package for one block.
@@ -67,7 +67,6 @@ class Package:
             *self.block.outputs,
             *self.parameter_fields,
         )
-        one_of("real", self.real, get_args(Real))
         check_package_name(self.block.name)
         for field in fields:
             check_field_name(self.block.name, field.name)

@@ -30,6 +30,7 @@ from irb2400_ctrl.codegen.targets import Goal, Target, find_target
 from irb2400_ctrl.errors import ToolMissingError
 from irb2400_ctrl.files import plain, write_atomic
 from irb2400_ctrl.given import whole
+from irb2400_ctrl.typed import typed
 
 Array = NDArray[Any]
 STATES = 1024
@@ -155,6 +156,7 @@ def _range(low: int | None, high: int | None) -> str:
     return "no published table" if low is None or high is None else f"{low} to {high}"
 
 
+@typed
 def export_package(
     block: Block,
     out_dir: Path | str,

@@ -42,12 +42,14 @@ from irb2400_ctrl.controllers.stribeck import fade
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.robot import Robot
+from irb2400_ctrl.typed import typed
 
 PAYLOAD = 4
 """learned of the load at the flange: mass and first moments; its own inertia is too small to be
 told from them"""
 
 
+@typed
 def adaptive(
     robot: Robot,
     sample_time: float = 0.001,

@@ -21,12 +21,14 @@ from irb2400_ctrl.controllers.parts import (
 )
 from irb2400_ctrl.controllers.scaling import typical_inertia
 from irb2400_ctrl.robot import Robot
+from irb2400_ctrl.typed import typed
 
 DEADBAND = 1e-4
 """angle error [rad] that the integral leaves alone at rest; against static friction it would creep
 and hunt"""
 
 
+@typed
 def pid(
     robot: Robot,
     sample_time: float = 0.001,
@@ -56,6 +58,7 @@ def pid(
     )  # fmt: skip
 
 
+@typed
 def feedforward_pid(
     robot: Robot,
     sample_time: float = 0.001,

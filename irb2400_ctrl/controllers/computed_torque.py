@@ -9,8 +9,10 @@ from irb2400_ctrl.codegen import Block, Field
 from irb2400_ctrl.controllers.compensation import Compensation
 from irb2400_ctrl.controllers.parts import Values, assemble, gain, saturate, signals_in, torque_out
 from irb2400_ctrl.robot import Robot
+from irb2400_ctrl.typed import typed
 
 
+@typed
 def computed_torque(
     robot: Robot,
     sample_time: float = 0.001,

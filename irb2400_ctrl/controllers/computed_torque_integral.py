@@ -20,8 +20,10 @@ from irb2400_ctrl.controllers.parts import (
 )
 from irb2400_ctrl.controllers.scaling import typical_inertia
 from irb2400_ctrl.robot import Robot
+from irb2400_ctrl.typed import typed
 
 
+@typed
 def computed_torque_integral(
     robot: Robot,
     sample_time: float = 0.001,

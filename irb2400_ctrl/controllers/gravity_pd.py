@@ -17,8 +17,10 @@ from irb2400_ctrl.controllers.parts import (
 from irb2400_ctrl.controllers.scaling import typical_inertia
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.robot import Robot
+from irb2400_ctrl.typed import typed
 
 
+@typed
 def gravity_pd(
     robot: Robot,
     sample_time: float = 0.001,

@@ -17,6 +17,7 @@ from irb2400_ctrl.controllers.momentum import Momentum
 from irb2400_ctrl.controllers.parts import Values, assemble, gain
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.robot import Robot
+from irb2400_ctrl.typed import typed
 
 FRESH = Field(
     "fresh", 1, "-", "1: measured anew, 0: the sample was lost", (1.0,), lower=(0.0,), upper=(1.0,)
@@ -24,6 +25,7 @@ FRESH = Field(
 BRAKE = Field("brake", 1, "-", "1: close the brakes", lower=(0.0,), upper=(1.0,))
 
 
+@typed
 def guarded(
     block: Block,
     robot: Robot,

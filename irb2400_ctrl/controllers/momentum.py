@@ -25,6 +25,7 @@ from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.model.linear_solve import factorise
 from irb2400_ctrl.robot import Robot
+from irb2400_ctrl.typed import typed
 
 SIGN_WIDTH = 0.02
 """speed [rad/s] over which the measured direction is regularised: a few times the noise of the
@@ -80,6 +81,7 @@ def _without(expression: ca.SX, *symbols: ca.SX) -> ca.SX:
     return ca.substitute(expression, gone, ca.SX.zeros(gone.numel()))
 
 
+@typed
 def momentum_observer(
     robot: Robot, sample_time: float = 0.001, *, bandwidth: float = 60.0
 ) -> Block:

@@ -15,7 +15,6 @@ from irb2400_ctrl.codegen.block import Quantities
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.given import numbers
 from irb2400_ctrl.robot import Robot
-from irb2400_ctrl.robot.given import check_robot
 
 BEYOND = 0.05
 """how far beyond the joint box an angle is still believed [rad]: an arm at its limit overshoots a
@@ -37,7 +36,6 @@ def check_masses(robot: Robot) -> None:
     Raises:
         InputError: no link has one.
     """
-    check_robot("robot", robot)
     if robot.weightless:
         raise InputError(
             f"{robot.name}: found no link with a mass, expected those of the arm: the torques of a "

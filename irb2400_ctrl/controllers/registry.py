@@ -17,6 +17,7 @@ from irb2400_ctrl.controllers.origin import origin_of
 from irb2400_ctrl.controllers.parts import check_masses
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.robot import Robot
+from irb2400_ctrl.typed import typed
 
 CONTROLLERS: dict[str, Callable[..., Block]] = {
     "pid": pid,
@@ -28,6 +29,7 @@ CONTROLLERS: dict[str, Callable[..., Block]] = {
 }
 
 
+@typed
 def controller(name: str, robot: Robot, sample_time: float = 0.001, **design: Any) -> Block:
     """The controller of that name for a robot, effects of the robot included.
 

@@ -7,8 +7,10 @@ from dataclasses import dataclass
 from typing import Any
 
 from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.typed import typed
 
 
+@typed
 @dataclass(frozen=True)
 class Timing:
     """The clockwork of a drive; the defaults are those of the simulated one.

@@ -47,6 +47,7 @@ from irb2400_ctrl.measurement.prepared_log import PreparedLog, prepare
 from irb2400_ctrl.plausibility import LogProblem
 from irb2400_ctrl.robot import Robot, Uncertainty
 from irb2400_ctrl.system import free_memory
+from irb2400_ctrl.typed import typed
 
 COMMON_FRICTION = 0.3
 """standard deviation of the friction of all joints together, over the file's: temperature"""
@@ -58,6 +59,7 @@ LEAST_SPEED = 0.05
 """[rad/s] rms speed of a joint below which nothing can be said about it"""
 
 
+@typed
 def diagnose(
     robot: Robot,
     log: Log | Sequence[Log],

@@ -18,6 +18,7 @@ from irb2400_ctrl.effects.search import Search
 from irb2400_ctrl.effects.signals import Signals
 from irb2400_ctrl.effects.transmission import Transmission
 from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.typed import typed
 
 # a file in this folder is enough: its classes register themselves
 for _module in pkgutil.iter_modules(__path__):
@@ -27,6 +28,7 @@ LIBRARY: dict[str, type[Effect]] = registry.LIBRARY
 """kind -> class, the library's own and the user's, in the order of the kinds"""
 
 
+@typed
 def effect_class(kind: object) -> type[Effect]:
     """The class of a kind.
 

@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.typed import typed
 
 # `Effect` registers its subclasses here, so that nothing here can know it
 Kind = type[Any]
@@ -69,6 +70,7 @@ def effect_class(kind: object) -> Kind:
     )
 
 
+@typed
 def load_effects(path: Path | str) -> Path:
     """Run a Python file that defines effects; once, whoever else asks for it. Returns its place.
 
@@ -124,6 +126,7 @@ def in_library(effect: Kind) -> bool:
     return effect.__module__.startswith(f"{__package__}.")
 
 
+@typed
 def users_files(effects: Iterable[Kind]) -> list[Path]:
     """Files outside the library that these effects need, each once."""
     found = [source_file(effect) for effect in effects]

@@ -24,6 +24,7 @@ from irb2400_ctrl.measurement.prepared_log import PreparedLog
 from irb2400_ctrl.measurement.uniform import LowPass, Recorders
 from irb2400_ctrl.robot import Robot
 from irb2400_ctrl.trajectory import Trajectory
+from irb2400_ctrl.typed import typed
 
 SHORTEST = 10.0
 LONGEST = 600.0
@@ -38,6 +39,7 @@ SURE = 1e4
 """information of a record without noise, over that of the random states"""
 
 
+@typed
 def excite(
     robot: Robot,
     group: str,
@@ -170,6 +172,7 @@ def _table(
     return tuple(rows)
 
 
+@typed
 def separability(
     robot: Robot, group: str, course: Trajectory, *, joint: int | None = None
 ) -> dict[Pair, float]:

@@ -25,6 +25,7 @@ from irb2400_ctrl.planners.programs.rapid.rapid_options import RapidOptions
 from irb2400_ctrl.planners.programs.rapid.rapid_program import rapid_program
 from irb2400_ctrl.robot import Robot
 from irb2400_ctrl.trajectory import Trajectory
+from irb2400_ctrl.typed import typed
 
 IDENTIFY = "identify"
 """what `irb2400 excite --for` calls it"""
@@ -125,6 +126,7 @@ def _with_way(model: Model, course: Trajectory, tau: Array) -> Trajectory:
     return Trajectory(course.time, course.q, course.qd, course.qdd, tau, way)
 
 
+@typed
 def excite_identification(
     robot: Robot,
     *,

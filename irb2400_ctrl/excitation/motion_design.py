@@ -16,6 +16,7 @@ from irb2400_ctrl.excitation.segments import FLAVOURS, Piece, drawn, mutated
 from irb2400_ctrl.given import whole
 from irb2400_ctrl.measurement.prepared_log import PreparedLog
 from irb2400_ctrl.trajectory import Trajectory
+from irb2400_ctrl.typed import typed
 
 PIECE = 8.0
 """[s] wanted for a piece with the move to the next one"""
@@ -25,6 +26,7 @@ ENOUGH = 300.0
 """standard deviations beyond which more does not count"""
 
 
+@typed
 @dataclass(frozen=True)
 class Budget:
     """How long is searched: pieces drawn, rounds of mutations, mutations in each."""

@@ -19,6 +19,7 @@ from irb2400_ctrl.identification.reference_error import (
 )
 from irb2400_ctrl.measurement import Log
 from irb2400_ctrl.robot import Robot
+from irb2400_ctrl.typed import typed
 
 TERMS = {
     "coulomb": ("", "coulomb_Nm", 1),
@@ -31,6 +32,7 @@ SEEN = 3.0
 """standard errors that a number must stand out"""
 
 
+@typed
 def diagnose_change(
     robot: Robot,
     log: Log | Sequence[Log],

@@ -37,6 +37,7 @@ from irb2400_ctrl.measurement import Log
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.plausibility.channels import NO_MOTION
 from irb2400_ctrl.robot import Body, Identified, Robot
+from irb2400_ctrl.typed import typed
 
 CLEARER = 0.03
 """recorded speed is used when it leaves so much less than differentiated angles [-]"""
@@ -47,6 +48,7 @@ SAME = 1e-9
 """of the largest torque: rounding between the fit and the robot that it becomes"""
 
 
+@typed
 def identify(
     robot: Robot,
     logs: Log | Sequence[Log],

@@ -17,6 +17,7 @@ from irb2400_ctrl.files import write_json
 from irb2400_ctrl.measurement import Log
 from irb2400_ctrl.measurement.joined_log import prepare_together
 from irb2400_ctrl.robot import Robot
+from irb2400_ctrl.typed import typed
 
 
 @dataclass(frozen=True)
@@ -79,6 +80,7 @@ class Validation:
         write_json(Path(folder) / "validation.json", self.to_json())
 
 
+@typed
 def validate(robot: Robot, log: Log | Sequence[Log]) -> Validation:
     """What a robot file says along one or several logs, against what was measured.
 

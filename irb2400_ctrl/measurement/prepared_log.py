@@ -29,6 +29,7 @@ from irb2400_ctrl.measurement.uniform import (
     smoothed,
     widened,
 )
+from irb2400_ctrl.typed import typed
 
 UNEVEN = (
     "the angles jump in time as where a host reads some samples twice and misses others: "
@@ -164,6 +165,7 @@ class PreparedLog:
         return self.low_pass.instants(signal)
 
 
+@typed
 def prepare(log: Log, rate: float | None = None) -> PreparedLog:
     """Rebuild the time base of a log, resample, smooth and differentiate it.
 

@@ -32,6 +32,7 @@ from irb2400_ctrl.measurement.ros_table import read_ros_table
 from irb2400_ctrl.measurement.stretch import Cut, Stretch
 from irb2400_ctrl.measurement.table import Table
 from irb2400_ctrl.reading import lvm_blocks, sheet_blocks, text_blocks
+from irb2400_ctrl.typed import typed
 
 READERS = {
     ".mat": read_mat_table,
@@ -50,6 +51,7 @@ ROBOTS = (".toml", ".urdf", ".xacro")
 """suffixes of what is given by mistake in the place of a log"""
 
 
+@typed
 def read_log(
     path: Path | str,
     joints: int | None = None,

@@ -8,6 +8,7 @@ from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.measurement.log import Log
 from irb2400_ctrl.measurement.uniform import resample
 from irb2400_ctrl.trajectory import Trajectory
+from irb2400_ctrl.typed import typed
 
 CUTOFF_HZ = 8.0
 """commanded motions of an arm lie below it; printed digits and encoder steps above"""
@@ -19,6 +20,7 @@ STOP_RAD_S = 0.01
 """a command that stands still from faster than this on was cut off, not stopped"""
 
 
+@typed
 def recorded_motion(log: Log) -> Trajectory:
     """The commanded motion of a log (the measured one if it has none), smoothed, with its
     derivatives.

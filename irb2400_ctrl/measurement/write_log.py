@@ -9,8 +9,10 @@ import numpy as np
 
 from irb2400_ctrl.files import write_atomic
 from irb2400_ctrl.measurement.log import Log
+from irb2400_ctrl.typed import typed
 
 
+@typed
 def write_log(log: Log, path: Path | str) -> Path:
     """Write a log as `.csv` or `.csv.gz` in degrees (reads again to the same numbers within the
     printed digits)."""

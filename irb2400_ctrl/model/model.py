@@ -18,9 +18,10 @@ from irb2400_ctrl.model.joint_box import JointBox
 from irb2400_ctrl.model.numeric import Value, evaluate
 from irb2400_ctrl.model.symbolic_arm import SymbolicArm
 from irb2400_ctrl.robot import Robot
-from irb2400_ctrl.robot.given import check_robot
+from irb2400_ctrl.typed import typed
 
 
+@typed
 class Model(SymbolicArm):
     """Kinematics and dynamics of one robot.
 
@@ -30,7 +31,6 @@ class Model(SymbolicArm):
     """
 
     def __init__(self, robot: Robot) -> None:
-        check_robot("robot", robot)
         super().__init__(robot)
         self._built = _built_of(robot, tuple(map(type, robot.effects)))
 

@@ -17,6 +17,7 @@ from irb2400_ctrl.planners.joint_box import can_hold, inside_box, outside_box
 from irb2400_ctrl.robot import Robot
 from irb2400_ctrl.trajectory import Trajectory
 from irb2400_ctrl.trajectory.trajectory import RATE
+from irb2400_ctrl.typed import typed
 
 # time from zero to full acceleration where no jerk limit is given [s]: an assumption, nothing is
 # published
@@ -72,6 +73,7 @@ class JointMove:
         return self.trajectory.duration
 
 
+@typed
 def joint_move(
     model: Model,
     q_start: ArrayLike,

@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.typed import typed
 
 # pieces that are worked on at once
 _AT_ONCE = 4096
@@ -67,6 +68,7 @@ class JointPath:
         self.coefficients.setflags(write=False)
 
     @classmethod
+    @typed
     def through(cls, s: Array, q: Array) -> JointPath:
         """The interpolating spline through q (m, n) [rad] at lengths s (m,) (not-a-knot ends)."""
         from scipy.interpolate import CubicSpline

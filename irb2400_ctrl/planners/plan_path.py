@@ -11,7 +11,6 @@ from numpy.typing import ArrayLike
 from irb2400_ctrl.arrays import Array, one_thread
 from irb2400_ctrl.cell import Cell, Scene, with_tool
 from irb2400_ctrl.cell.external_axes import ExternalAxes
-from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.planners.certify import certify
 from irb2400_ctrl.planners.enclosure.path_dynamics import Way, path_dynamics
@@ -44,13 +43,14 @@ from irb2400_ctrl.planners.toolpath.orientation import Orientation
 from irb2400_ctrl.planners.toolpath.task_curve import TOLERANCE
 from irb2400_ctrl.planners.toolpath.toolpath import ToolPath
 from irb2400_ctrl.robot import Robot
-from irb2400_ctrl.robot.given import check_robot
 from irb2400_ctrl.trajectory.trajectory import RATE
+from irb2400_ctrl.typed import typed
 
 Ways = Callable[[Model, Orientation, Scene | None], Iterable[Choice]]
 """the joint paths that are compared for a tool path"""
 
 
+@typed
 @one_thread()
 def plan_path(
     robot: Robot,
@@ -104,7 +104,6 @@ def plan_path(
         UnreachableError: no continuous motion, or (CollisionError) none that touches nothing.
         InfeasibleError: the torque limits leave no motion; says where.
     """
-    _check_given(robot, path)
     turning = (free_tool_rotation, work_frame, tolerance, axis_tolerance)
     options = PlanOptions(rate, *turning, checked(interpolation), cell, tool, load, rotation_map)
     bounds = (limits, torque_rate, jerk)
@@ -112,16 +111,6 @@ def plan_path(
     timed = TimingOptions.of(robot, timing, cells, *bounds, *sampled)
     ways = _chosen(free_tool_rotation, way_out, load)
     return plan_ways(robot, path, ways, options, timed, StageClock(progress))
-
-
-def _check_given(robot: object, path: object) -> None:
-    """InputError where a name or an array stands in for the robot or the path."""
-    check_robot("robot", robot)
-    if not isinstance(path, ToolPath):
-        raise InputError(
-            f"path: found a {type(path).__name__}; expected a ToolPath, such as `read_path(file)` "
-            "or of `builders`"
-        )
 
 
 def _carried(external: ExternalAxes | None) -> tuple[int, Way | None]:

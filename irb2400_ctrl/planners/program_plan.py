@@ -25,6 +25,7 @@ from irb2400_ctrl.planners.toolpath.cam_program import CamProgram, Operation
 from irb2400_ctrl.planners.toolpath.positioner import upright
 from irb2400_ctrl.robot import Robot
 from irb2400_ctrl.trajectory.trajectory import RATE
+from irb2400_ctrl.typed import typed
 
 ArmOf = Callable[[Operation], Robot]
 """the arm with the tool of an operation"""
@@ -134,6 +135,7 @@ class ProgramPlan:
         return [write_json(folder / "program.json", self.summary()), *written]
 
 
+@typed
 @one_thread()
 def plan_program(
     robot: Robot,

@@ -30,6 +30,7 @@ from irb2400_ctrl.plausibility.search import Understanding, percent, understand
 from irb2400_ctrl.plausibility.standing import standing_remarks
 from irb2400_ctrl.plausibility.travel import fastest, haste_problem, travel_problem, travelled
 from irb2400_ctrl.robot import Robot
+from irb2400_ctrl.typed import typed
 
 UNEXPLAINED = 0.5
 """of a joint's torque, left by the nominal model: nothing is understood then [-]"""
@@ -101,6 +102,7 @@ class Examined:
         return () if self.understood is None else self.understood.other_friction
 
 
+@typed
 def log_problem(robot: Robot | None, log: Log) -> LogProblem | None:
     """Why a log cannot be taken as labelled; None when it can.
 
@@ -185,6 +187,7 @@ def _travels(robot: Robot, log: Log, understood: Understanding | None) -> LogPro
     return LogProblem(reading.kind, says, dict(reading.fits))
 
 
+@typed
 def check_log(robot: Robot | None, log: Log) -> LogCheck:
     """Measure a log and hold it against a robot.
 

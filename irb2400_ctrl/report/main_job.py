@@ -17,6 +17,7 @@ from irb2400_ctrl.robot import Robot, load_robot
 from irb2400_ctrl.simulation import Simulation, perturbed_robot, simulate
 from irb2400_ctrl.simulation.close_the_loop import ClosedLoop, close_loop
 from irb2400_ctrl.simulation.perturb import PLANT_SEED
+from irb2400_ctrl.typed import typed
 
 DATA = Path(str(resources.files("irb2400_ctrl") / "data"))
 TOOLPATH = DATA / "freeform.apt"
@@ -41,6 +42,7 @@ class MainJob:
     closed_loop: ClosedLoop
 
 
+@typed
 def run_main_job(out: Path, say: Callable[[str], None] = lambda text: None) -> MainJob:
     """Run every step and write its files under `out`; `say` is told what is going on."""
     robot = load_robot("irb2400")

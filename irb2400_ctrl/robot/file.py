@@ -22,6 +22,7 @@ from irb2400_ctrl.robot.link import Body, Coupling, Link, ModifiedDH, Tool, Tran
 from irb2400_ctrl.robot.outline import KeptApart, Outline, Part
 from irb2400_ctrl.robot.shape import Box, Capsule, Cylinder, Hull, Sphere
 from irb2400_ctrl.robot.uncertainty import BodyUncertainty, Uncertainty
+from irb2400_ctrl.typed import typed
 
 OTHER_MODELS = (".urdf", ".xacro", ".xml", ".mjcf")
 """suffixes of what `irb2400 robot import` reads"""
@@ -35,6 +36,7 @@ def robot_names() -> list[str]:
     )
 
 
+@typed
 def load_robot(source: str | Path) -> Robot:
     """The robot of a TOML file, or one of the library's own by name (`irb2400`).
 
@@ -69,6 +71,7 @@ def load_robot(source: str | Path) -> Robot:
         raise InputError(explain(str(source), "robot", error, _tables())) from error
 
 
+@typed
 def save_robot(robot: Robot, path: Path | str) -> Path:
     """Write the robot as TOML (loads again to an equal one).
 

@@ -13,6 +13,7 @@ from irb2400_ctrl.simulation.perturb import PLANT_SEED, perturbed_robot
 from irb2400_ctrl.simulation.simulate import simulate
 from irb2400_ctrl.simulation.simulation import Simulation
 from irb2400_ctrl.trajectory import Trajectory
+from irb2400_ctrl.typed import typed
 
 LEFT_OPEN = 0.25
 """share of the data sheet's uncertainty that a log leaves: with it the simulated arm is followed as
@@ -47,6 +48,7 @@ class ClosedLoop:
         return {name: run.summary() for name, run in runs.items()}
 
 
+@typed
 def close_loop(
     given: Robot,
     diagnosed: Robot,

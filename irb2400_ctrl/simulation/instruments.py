@@ -66,20 +66,5 @@ class Actuators(_Instrument):
     """cut the torque at the plant's limits"""
 
 
-def check_instruments(sensors: object, actuators: object) -> None:
-    """Refuse what is neither.
-
-    Raises:
-        InputError: such as a dict of their fields.
-    """
-    for given, kind in ((sensors, Sensors), (actuators, Actuators)):
-        if not isinstance(given, kind):
-            name = kind.__name__
-            raise InputError(
-                f"{name.lower()}: found a {type(given).__name__}; expected {name}(...), with "
-                f"any of {', '.join(kind.model_fields)}"
-            )
-
-
 IDEAL_SENSORS = Sensors(encoder_step_rad=0.0, speed_filter_Hz=0.0)
 IDEAL_ACTUATORS = Actuators(delay_samples=0, saturate=False)

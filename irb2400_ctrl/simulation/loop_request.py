@@ -15,20 +15,6 @@ from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.trajectory import Trajectory
 
 
-def check_controller(controller: object) -> None:
-    """Refuse what is neither a block nor the name of one.
-
-    Raises:
-        InputError: such as a Python function.
-    """
-    if not isinstance(controller, Block | str):
-        raise InputError(
-            f"controller: found a {type(controller).__name__}; expected the name of one, or a "
-            "Block such as `controller(name, robot)` or one of your own. A law in plain Python "
-            "steps the plant itself (docs/control.md, A controller of your own)"
-        )
-
-
 def check_rate(rate: object) -> float:
     """The control rate as a number [1/s].
 
@@ -83,8 +69,6 @@ def controller_parameters(controller: Block, gains: Mapping[str, ArrayLike]) -> 
     Raises:
         InputError: no parameter of that name, other than one or `size` numbers, no numbers.
     """
-    if not isinstance(gains, Mapping):
-        raise InputError(f"gains: found a {type(gains).__name__}; expected a dict of name: value")
     sizes = {f.name: f.size for f in controller.parameters}
     unknown = sorted(str(name) for name in set(gains) - set(sizes))
     if unknown:

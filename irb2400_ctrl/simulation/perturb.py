@@ -7,12 +7,14 @@ import numpy as np
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.given import whole
 from irb2400_ctrl.robot import Body, Robot, Uncertainty
+from irb2400_ctrl.typed import typed
 
 PLANT_SEED = 7
 """of the plant where one is as good as another: it only makes the result repeatable"""
 _DATA_SHEET = Uncertainty()
 
 
+@typed
 def perturbed_robot(
     robot: Robot,
     seed: int,

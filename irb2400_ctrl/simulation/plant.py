@@ -14,12 +14,14 @@ from irb2400_ctrl.simulation.effect_data import data_of
 from irb2400_ctrl.simulation.mechanics import force_effects, mass_data
 from irb2400_ctrl.simulation.spring_step import check_step, elastic_data, elastic_joints
 from irb2400_ctrl.simulation.time_step import STATES, time_step
+from irb2400_ctrl.typed import typed
 
 SUBSTEPS = 1
 FRICTION_STEPS = 2
 SWEEPS = 2
 
 
+@typed
 def plant_block(
     robot: Robot,
     sample_time: float = 0.001,

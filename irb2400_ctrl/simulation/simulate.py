@@ -14,14 +14,12 @@ from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.codegen import Block, CompiledBlock, compile_block
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.robot import Robot
-from irb2400_ctrl.robot.given import check_robot
 from irb2400_ctrl.simulation.divergence import check_finite
 from irb2400_ctrl.simulation.effect_data import data_of, structure
 from irb2400_ctrl.simulation.initial_state import InitialState
-from irb2400_ctrl.simulation.instruments import Actuators, Sensors, check_instruments
+from irb2400_ctrl.simulation.instruments import Actuators, Sensors
 from irb2400_ctrl.simulation.loop import closed_loop, encoder_zero
 from irb2400_ctrl.simulation.loop_request import (
-    check_controller,
     check_duration,
     check_rate,
     check_seed,
@@ -34,6 +32,7 @@ from irb2400_ctrl.simulation.simulation import Simulation
 from irb2400_ctrl.simulation.spring_step import elastic_data, elastic_joints
 from irb2400_ctrl.simulation.viscous_step import MOST_SUBSTEPS, needed_substeps
 from irb2400_ctrl.trajectory import Trajectory
+from irb2400_ctrl.typed import typed
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,6 +52,7 @@ class Loop:
     substeps: int = SUBSTEPS
     """time steps of the plant per control period"""
 
+    @typed
     def run(
         self,
         trajectory: Trajectory,
@@ -84,7 +84,6 @@ class Loop:
             unstable).
         """
         arm = self.plant if plant is None else plant
-        check_robot("plant", arm)
         check_seed(seed)
         self._check_structure(arm)
         motion = self._reference(trajectory, hold)
@@ -117,11 +116,6 @@ class Loop:
 
     def _reference(self, trajectory: Trajectory, hold: float) -> Trajectory:
         """The motion at the control rate."""
-        if not isinstance(trajectory, Trajectory):
-            raise InputError(
-                f"trajectory: found a {type(trajectory).__name__}; expected a Trajectory, such as "
-                "`plan.trajectory`"
-            )
         if trajectory.external is not None and trajectory.external.lengths:
             raise InputError(
                 "trajectory: found one whose carriage moves, which accelerates the base of the "
@@ -182,6 +176,7 @@ class Loop:
         return [array]
 
 
+@typed
 def make_loop(
     robot: Robot,
     controller: Block | str,
@@ -200,10 +195,7 @@ def make_loop(
         rate: of a controller that is named [1/s].
         wrench: whether a force on the tool is an input.
     """
-    check_robot("robot", robot)
-    check_controller(controller)
     arm = robot if plant is None else plant
-    check_robot("plant", arm)
     if isinstance(controller, str):
         rate = check_rate(rate)
         from irb2400_ctrl.controllers import controller as by_name
@@ -211,7 +203,6 @@ def make_loop(
         controller = by_name(controller, robot, 1.0 / rate)
     sensors = Sensors() if sensors is None else sensors
     actuators = Actuators() if actuators is None else actuators
-    check_instruments(sensors, actuators)
     if substeps is None:
         needed = needed_substeps(arm, controller.sample_time)
         substeps = needed if needed <= MOST_SUBSTEPS else SUBSTEPS
@@ -221,6 +212,7 @@ def make_loop(
     return Loop(robot, arm, controller, sensors, actuators, compile_block(block), substeps)
 
 
+@typed
 def simulate(
     robot: Robot,
     trajectory: Trajectory,

@@ -27,6 +27,7 @@ from irb2400_ctrl.simulation.effect_data import structure
 from irb2400_ctrl.sweep.motions import StudyMotion
 from irb2400_ctrl.sweep.quantities import draw
 from irb2400_ctrl.sweep.study import Control, Study
+from irb2400_ctrl.typed import typed
 
 Row = dict[str, Any]
 PLANT, POSES, NOISE = range(3)
@@ -197,6 +198,7 @@ def run_case(study: Study, index: int) -> CaseOutcome:
     return _RUNNERS[key].run(index)
 
 
+@typed
 def simulate_case(study: Study, index: int) -> Simulation:
     """Repeat one case, to look into it: the very simulation behind that row of the table."""
     case = case_of(study, index)

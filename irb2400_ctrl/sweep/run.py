@@ -16,6 +16,7 @@ from irb2400_ctrl.sweep.pool import Lost, Work, run_on_cores
 from irb2400_ctrl.sweep.study import Study
 from irb2400_ctrl.sweep.table import SummaryLine, make_table, summarise, write_table
 from irb2400_ctrl.system import cores
+from irb2400_ctrl.typed import typed
 
 
 @dataclass(frozen=True)
@@ -52,6 +53,7 @@ class Sweep:
         }
 
 
+@typed
 def run_sweep(
     study: Study,
     out: Path | str,

@@ -38,6 +38,7 @@ from irb2400_ctrl.sweep.quantities import (
     Quantity,
     Table,
 )
+from irb2400_ctrl.typed import typed
 
 
 def _robot(value: object, info: ValidationInfo) -> object:
@@ -175,6 +176,7 @@ class Study(Table):
         return hashlib.sha256(b"\0".join(parts)).hexdigest()
 
 
+@typed
 def load_study(path: Path | str) -> Study:
     """Read a study; files that it names are relative to it.
 

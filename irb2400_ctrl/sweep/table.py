@@ -12,6 +12,7 @@ import numpy as np
 from irb2400_ctrl.files import write_atomic
 from irb2400_ctrl.sweep.cases import Row
 from irb2400_ctrl.sweep.study import Study
+from irb2400_ctrl.typed import typed
 
 if TYPE_CHECKING:
     import pyarrow as pa
@@ -107,6 +108,7 @@ def summarise(rows: Iterable[Row]) -> list[SummaryLine]:
     return lines
 
 
+@typed
 def summary_text(lines: Iterable[SummaryLine]) -> str:
     """The lines as a short table."""
     head = ("motion", "speed", "controller", "median", "95 %", "worst", "limit", "failed")

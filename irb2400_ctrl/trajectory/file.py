@@ -15,6 +15,7 @@ from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.files import write_atomic
 from irb2400_ctrl.reading import looks_like, text_blocks
 from irb2400_ctrl.trajectory.trajectory import Trajectory, from_angles
+from irb2400_ctrl.typed import typed
 
 MOST_NUMBERS = 26_000_000
 """of one file: a million rows with everything, 67 minutes at 4 ms"""
@@ -24,6 +25,7 @@ _ANGLE = re.compile(r"q(\d{1,2})_(?:deg|rad)")
 _NAME = re.compile(r"(time|q|qd|qdd|e|ed|edd|tau|s)\d*(_\w{1,20})?")
 
 
+@typed
 def save_trajectory(trajectory: Trajectory, path: Path | str) -> Path:
     """Write `trajectory.csv` (degrees), packed if the name ends in `.gz`."""
     path = Path(path)
@@ -33,6 +35,7 @@ def save_trajectory(trajectory: Trajectory, path: Path | str) -> Path:
     )
 
 
+@typed
 def load_trajectory(path: Path | str, axes: int | None = None) -> Trajectory:
     """Read `trajectory.csv` (`time_s, q1_deg…`, optionally `qd1_deg_s…, qdd1_deg_s2…, tau1_Nm…, s`,
     `e1_deg…, ed1_deg_s…, edd1_deg_s2…` of external axes, `e1_mm…` of a rail, which comes first; rad

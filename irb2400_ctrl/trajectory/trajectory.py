@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.given import numbers
+from irb2400_ctrl.typed import typed
 
 RATE = 250.0
 """rows of a motion per second, unless asked otherwise: what EGM takes [1/s]"""
@@ -24,6 +25,7 @@ _MOVES = ("q", "qd", "qdd")
 _USUAL = (1e-7, 1e7)
 
 
+@typed
 @dataclass(frozen=True, eq=False)
 class Trajectory:
     """A motion sampled in time; all arrays are read-only.
@@ -115,6 +117,7 @@ class Trajectory:
         """Time from first to last sample [s]."""
         return float(self.time[-1] - self.time[0])
 
+    @typed
     def at_rate(self, rate: float, *, hold: float = 0.0) -> Trajectory:
         """The motion at `rate` [Hz] from time 0, by quintic Hermite interpolation (angle C2
         everywhere).
@@ -290,6 +293,7 @@ def rounded(values: Array, digits: int) -> Array:
     return found
 
 
+@typed
 def from_angles(time: ArrayLike, q: ArrayLike) -> Trajectory:
     """A trajectory from angles alone: cubic spline (C2) that starts and ends at rest.
 

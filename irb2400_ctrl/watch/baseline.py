@@ -26,6 +26,7 @@ from irb2400_ctrl.effects import LIBRARY
 from irb2400_ctrl.measurement import Log, PreparedLog, prepare
 from irb2400_ctrl.model.friction import FrictionLaw
 from irb2400_ctrl.robot import Robot
+from irb2400_ctrl.typed import typed
 
 BLOCK = 1.0
 """[s] of motion that are judged together"""
@@ -104,6 +105,7 @@ class Baseline:
     learned: Blocks
 
     @classmethod
+    @typed
     def of(cls, robot: Robot, log: Log) -> Baseline:
         """From a sound stretch.
 

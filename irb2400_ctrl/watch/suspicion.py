@@ -9,6 +9,7 @@ from typing import Any
 from irb2400_ctrl.effects import Effect
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.measurement import Log
+from irb2400_ctrl.typed import typed
 from irb2400_ctrl.watch.alarm import Alarm
 from irb2400_ctrl.watch.watch import SUSPECT, Seen, Watch
 
@@ -43,6 +44,7 @@ class Suspicion:
         }
 
 
+@typed
 def followed(
     watch: Watch, pieces: Iterable[Log], name_it: bool = True
 ) -> Iterator[Seen | Suspicion]:

@@ -13,6 +13,7 @@ from irb2400_ctrl.diagnosis import Diagnosis, diagnose
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.measurement import Log
 from irb2400_ctrl.robot import Robot
+from irb2400_ctrl.typed import typed
 from irb2400_ctrl.watch.alarm import LEAST_BLOCKS, MONTH, Alarm, Cusum, Usual
 from irb2400_ctrl.watch.baseline import BLOCK, Baseline
 from irb2400_ctrl.watch.tracking import Tracked, Tracker
@@ -50,6 +51,7 @@ class Seen:
     tracked: Tracked
 
 
+@typed
 @dataclass
 class Watch:
     """Samples in, blocks and alarms out.
@@ -71,6 +73,7 @@ class Watch:
     _next: float = 0.0
     _first: float | None = None
 
+    @typed
     def feed(self, samples: Log) -> Iterator[Seen]:
         """Blocks that are complete with these samples.
 

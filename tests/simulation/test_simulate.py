@@ -248,7 +248,7 @@ def test_a_light_joint_with_much_friction_gets_finer_time_steps() -> None:
         ({"rate": 0.001}, "a rate in 1/s"),
         ({"hold": -1.0}, "hold is -1.0"),
         ({"seed": -1}, "seed is -1"),
-        ({"plant": "irb2400.toml"}, "plant: found a str; expected a Robot"),
+        ({"plant": "irb2400.toml"}, "plant: found .irb2400.toml., expected a Robot"),
         ({"gains": {"kp": np.nan}}, "kp: found nan; expected finite numbers"),
         ({"gains": {"kp": [1.0, 2.0]}}, r"kp: found shape \(2,\)"),
         ({"wrench": np.full((1201, 6), np.nan)}, "wrench: row 1 holds no number"),
@@ -275,7 +275,7 @@ def test_a_controller_without_numbers_is_not_blamed_on_the_arm() -> None:
 def test_a_controller_of_another_arm_or_no_controller_is_refused() -> None:
     with pytest.raises(InputError, match="q has 2 elements; expected 6: the arm has 6 joints"):
         simulate(arm(), MOVE, own_law(lambda q: -q, n=2))
-    with pytest.raises(InputError, match="controller: found a function; expected the name"):
+    with pytest.raises(InputError, match="controller: found a function, expected a Block"):
         simulate(arm(), MOVE, lambda q: -q)
 
 

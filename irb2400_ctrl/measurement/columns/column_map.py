@@ -37,6 +37,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_valida
 
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.reading import bounded_text, toml_tables
+from irb2400_ctrl.typed import typed
 
 TIME = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
 TURN = 2.0 * np.pi
@@ -211,6 +212,7 @@ class ColumnMap(_Strict):
         return self
 
 
+@typed
 def load_column_map(path: Path | str) -> ColumnMap:
     """Read a column map.
 

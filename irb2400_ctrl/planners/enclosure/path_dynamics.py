@@ -35,6 +35,7 @@ from irb2400_ctrl.planners.enclosure.effect_forms import (
     with_sign,
 )
 from irb2400_ctrl.robot import Robot
+from irb2400_ctrl.typed import typed
 
 Way = tuple[float, float, float]
 """where the base of the arm goes per metre of the first further axis"""
@@ -193,9 +194,16 @@ class PathDynamics:
         return np.hstack([tau, np.zeros_like(q[:, n:])])
 
 
+@typed
 @lru_cache(maxsize=8)
 def path_dynamics(robot: Robot, external: int = 0, carriage: Way | None = None) -> PathDynamics:
-    """The coefficients of a robot, and of further axes, built once."""
+    """The coefficients of a robot, and of further axes, built once.
+
+    Args:
+        robot: whose dynamics they are.
+        external: number of further axes, behind the joints.
+        carriage: where the base goes per metre of the first of them, shape (3,), if it carries it.
+    """
     return PathDynamics(Model(robot), external, carriage)
 
 

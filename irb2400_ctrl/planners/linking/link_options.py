@@ -9,11 +9,13 @@ import numpy as np
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.given import numbers
+from irb2400_ctrl.typed import typed
 
 CLEARANCE = 0.05
 APPROACH = 0.01
 
 
+@typed
 @dataclass(frozen=True)
 class LinkOptions:
     """Heights and ends of the moves beside the operations.

@@ -12,6 +12,7 @@ from irb2400_ctrl.planners.joint_path import JointPath
 from irb2400_ctrl.planners.timing.motion_bounds import Checked
 from irb2400_ctrl.planners.timing.motion_limits import MotionLimits
 from irb2400_ctrl.planners.timing.time_law import TimeLaw
+from irb2400_ctrl.typed import typed
 
 
 @dataclass(frozen=True)
@@ -26,6 +27,7 @@ class Certificate:
     without one"""
 
 
+@typed
 def check(certificate: Certificate, model: Model, dynamics: PathDynamics | None = None) -> Checked:
     """Bound torque, speed and what else is limited over all times, from the motion's own numbers
     alone: nothing that the solver computed is used.

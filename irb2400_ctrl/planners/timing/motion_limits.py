@@ -14,8 +14,10 @@ from irb2400_ctrl.given import numbers
 from irb2400_ctrl.planners.enclosure import bernstein
 from irb2400_ctrl.planners.enclosure.cells import Cells
 from irb2400_ctrl.robot import Robot
+from irb2400_ctrl.typed import typed
 
 
+@typed
 @dataclass(frozen=True)
 class MotionLimits:
     """What the arm may do; all arrays of shape (n,)."""
@@ -138,6 +140,7 @@ class MotionLimits:
         return MotionLimits(self.qd_max[:n], self.tau_max[:n], self.qdd_max[:n], rate, jerk)
 
     @classmethod
+    @typed
     def of(cls, robot: Robot) -> MotionLimits:
         """The limits of a robot's description."""
         stated = [joint.limits for joint in robot.joints]

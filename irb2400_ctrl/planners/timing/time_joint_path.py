@@ -14,6 +14,7 @@ from irb2400_ctrl.planners.enclosure.path_dynamics import PathDynamics
 from irb2400_ctrl.planners.joint_path import JointPath
 from irb2400_ctrl.planners.timing.motion_limits import MotionLimits
 from irb2400_ctrl.planners.timing.time_optimal import Timed, remainder_share, time_path
+from irb2400_ctrl.typed import typed
 
 FeedBound = Callable[[Array], Array]
 """bound of x = sdot^2 within each cell between lengths s (m + 1,), shape (m,), or at both ends of
@@ -24,6 +25,7 @@ _ROUNDS = 6
 _SHARE = 3e-3
 
 
+@typed
 def time_joint_path(
     dynamics: PathDynamics,
     path: JointPath,

@@ -9,22 +9,24 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 import numpy as np
-import numpy.typing as npt
+from numpy.typing import ArrayLike
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.planners.toolpath.orientation import frame_of
 from irb2400_ctrl.planners.toolpath.toolpath import ToolPath
+from irb2400_ctrl.typed import typed
 
 UP = (0.0, 0.0, 1.0)
 CHORD = 1e-5
 
 
+@typed
 def way_points(
-    points: npt.ArrayLike,
-    axis: npt.ArrayLike = UP,
+    points: ArrayLike,
+    axis: ArrayLike = UP,
     *,
-    feed: npt.ArrayLike = np.inf,
+    feed: ArrayLike = np.inf,
     name: str = "way-points",
 ) -> ToolPath:
     """Straight lines through points (n, 3) [m]; `axis` one tool axis or one per point; `feed` [m/s]
@@ -46,7 +48,8 @@ def way_points(
     )
 
 
-def poses(X_BT: npt.ArrayLike, *, feed: npt.ArrayLike = np.inf, name: str = "poses") -> ToolPath:
+@typed
+def poses(X_BT: ArrayLike, *, feed: ArrayLike = np.inf, name: str = "poses") -> ToolPath:
     """Straight lines through full poses (n, 4, 4).
 
     Args:
@@ -66,8 +69,9 @@ def poses(X_BT: npt.ArrayLike, *, feed: npt.ArrayLike = np.inf, name: str = "pos
     )
 
 
+@typed
 def line(
-    start: Sequence[float], end: Sequence[float], axis: npt.ArrayLike = UP, *, feed: float = np.inf
+    start: Sequence[float], end: Sequence[float], axis: ArrayLike = UP, *, feed: float = np.inf
 ) -> ToolPath:
     """A straight line; `axis` may be one tool axis or one for each end.
 
@@ -80,12 +84,13 @@ def line(
     return way_points([start, end], axis, feed=feed, name="line")
 
 
+@typed
 def circle(
     centre: Sequence[float],
     radius: float,
     *,
     normal: Sequence[float] = UP,
-    axis: npt.ArrayLike | None = None,
+    axis: ArrayLike | None = None,
     start: float = 0.0,
     sweep: float = 2 * np.pi,
     feed: float = np.inf,
@@ -118,6 +123,7 @@ def circle(
     return way_points(points, z if axis is None else axis, feed=feed, name="circle")
 
 
+@typed
 def curve(
     position: Callable[[Array], Array],
     axis: Callable[[Array], Array] | Sequence[float] = UP,
@@ -151,8 +157,9 @@ def curve(
     )
 
 
+@typed
 def spline(
-    points: npt.ArrayLike, axis: npt.ArrayLike = UP, *, feed: float = np.inf, chord: float = CHORD
+    points: ArrayLike, axis: ArrayLike = UP, *, feed: float = np.inf, chord: float = CHORD
 ) -> ToolPath:
     """The cubic spline through points (n, 3) [m], over their chord length; tool axes are
     interpolated likewise.
@@ -186,6 +193,7 @@ def spline(
     )
 
 
+@typed
 def raster(
     centre: Sequence[float],
     length: float,

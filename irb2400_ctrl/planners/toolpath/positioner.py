@@ -12,6 +12,7 @@ from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.cell.positioner import Positioner, PositionerAxis
 from irb2400_ctrl.errors import InfeasibleError, InputError
 from irb2400_ctrl.planners.toolpath.toolpath import ToolPath
+from irb2400_ctrl.typed import typed
 
 __all__ = ["Positioner", "PositionerAxis", "Setting", "choose_settings", "upright"]
 
@@ -37,6 +38,7 @@ class Setting:
     """largest angle between tool axis and the favourable direction on the stretch [rad]"""
 
 
+@typed
 def choose_settings(
     positioner: Positioner,
     path: ToolPath,

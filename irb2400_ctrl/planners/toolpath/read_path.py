@@ -27,12 +27,14 @@ from irb2400_ctrl.planners.toolpath.readers.text import read_text
 from irb2400_ctrl.planners.toolpath.tool_lengths import tool_lengths
 from irb2400_ctrl.planners.toolpath.toolpath import ToolPath
 from irb2400_ctrl.planners.toolpath.work_frame import named_frames
+from irb2400_ctrl.typed import typed
 
 # a path that is as small as this is more likely one in metres [m]
 TINY = 5e-3
 NEAR = 2e-2
 
 
+@typed
 def read_path(
     file: str | Path,
     *,
@@ -69,6 +71,7 @@ def read_path(
     return program.operation(operation).path
 
 
+@typed
 def read_program(
     file: str | Path,
     *,

@@ -8,11 +8,13 @@ import numpy as np
 
 from irb2400_ctrl.arrays import Array, are_rotations, is_pose
 from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.typed import typed
 
 FARTHEST = 1000.0
 """[m] from the origin of its frame, in any direction"""
 
 
+@typed
 @dataclass(frozen=True)
 class ToolPath:
     """Way-points joined by straight lines; lines, circles and splines are built as fine polylines
@@ -88,6 +90,7 @@ class ToolPath:
     def __len__(self) -> int:
         return len(self.position)
 
+    @typed
     def moved(self, X_BW: Array) -> ToolPath:
         """The same path stated in a work frame W, expressed in the base by X_BW (4, 4)."""
         X = np.asarray(X_BW, dtype=float)
@@ -114,6 +117,7 @@ class ToolPath:
             self.name,
         )
 
+    @typed
     def then(self, other: ToolPath) -> ToolPath:
         """This path and, straight on, the other one; both must state the orientation in the same
         way."""

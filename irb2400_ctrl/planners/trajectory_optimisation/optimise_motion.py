@@ -21,7 +21,7 @@ from numpy.typing import ArrayLike
 
 from irb2400_ctrl.arrays import Array, one_thread
 from irb2400_ctrl.errors import InfeasibleError
-from irb2400_ctrl.given import one_of, whole
+from irb2400_ctrl.given import whole
 from irb2400_ctrl.planners.enclosure.path_dynamics import PathDynamics
 from irb2400_ctrl.planners.redundancy.singularity_margins import NAMES
 from irb2400_ctrl.planners.timing.certificate import Certificate
@@ -47,6 +47,7 @@ from irb2400_ctrl.planners.trajectory_optimisation.warm_start import (
     warm_start,
 )
 from irb2400_ctrl.robot import Robot
+from irb2400_ctrl.typed import typed
 
 # part of the torque limits left to what happens between knots; for energy, what the motion would be
 # slowed by instead
@@ -60,6 +61,7 @@ _TURNS = 3
 _LONGER = 1.2
 
 
+@typed
 @one_thread()
 def optimise_motion(
     robot: Robot,
@@ -103,7 +105,6 @@ def optimise_motion(
     request = MotionRequest.of(robot, waypoints, objective, duration, margins, torque_rate, limits)
     if intervals is None:
         intervals = 300 if objective == "time" and request.torque_rate is None else 200
-    one_of("objective", objective, ("time", "energy"))
     whole("intervals", intervals, 1)
     whole("iterations", iterations)
     clock = [time.perf_counter()]

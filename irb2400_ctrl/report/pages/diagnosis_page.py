@@ -35,6 +35,7 @@ from irb2400_ctrl.report.pages.three_lists import (
     number_rows,
     numbers_of,
 )
+from irb2400_ctrl.typed import typed
 
 VERDICTS = {
     "explained": "The log shows something the model lacks, and it has a name.",
@@ -70,6 +71,7 @@ def verdict_sentence(diagnosis: Diagnosis) -> str:
     return CHANGES[diagnosis.verdict]
 
 
+@typed
 def diagnosis_page(
     diagnosis: Diagnosis, title: str, log: Log | None = None, robot: str = "irb2400"
 ) -> Page:

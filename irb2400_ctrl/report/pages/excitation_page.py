@@ -11,11 +11,13 @@ from irb2400_ctrl.report.elements.arm_view import ArmView
 from irb2400_ctrl.report.elements.page import Page, of_limit
 from irb2400_ctrl.report.elements.plots import logarithmic, wide
 from irb2400_ctrl.report.figures import plan_figures as draw
+from irb2400_ctrl.typed import typed
 
 MOST = 24
 """pairs that are drawn; the least separated ones"""
 
 
+@typed
 def excitation_page(found: Excitation) -> Page:
     """The whole report."""
     page = Page(f"Motion that separates: {found.group.name}")

@@ -28,6 +28,7 @@ from irb2400_ctrl.report.figures.residual_figures import (
 )
 from irb2400_ctrl.report.figures.residual_view import residual_view
 from irb2400_ctrl.report.pages.diagnosis_tables import UNITS
+from irb2400_ctrl.typed import typed
 
 MODELS = {
     "before": "file as given",
@@ -44,6 +45,7 @@ TWICE = 1.96
 """standard deviations of 95 %"""
 
 
+@typed
 def identification_page(result: Identification, logs: Sequence[Log] = ()) -> Page:
     """The whole report; with the logs the first of them is replayed."""
     page = Page(f"Identification of {result.given.name}")

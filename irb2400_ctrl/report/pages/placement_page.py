@@ -19,11 +19,13 @@ from irb2400_ctrl.report.figures.placement_figure import (
     rail_figure,
 )
 from irb2400_ctrl.robot import Robot
+from irb2400_ctrl.typed import typed
 
 SHOWN_SPEED = 0.1
 """of the tip in the picture, which is not timed yet [m/s]"""
 
 
+@typed
 def placement_page(
     found: Placement, planned: Mapping[str, Any] | None = None, cell: Cell | None = None
 ) -> Page:
@@ -58,6 +60,7 @@ def placement_page(
     return page
 
 
+@typed
 def rail_page(found: RailPosition, robot: Robot, cell: Cell) -> Page:
     """The whole report of a carriage's place on its rail.
 

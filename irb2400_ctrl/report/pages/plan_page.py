@@ -13,8 +13,10 @@ from irb2400_ctrl.report.elements.page import Page, of_limit
 from irb2400_ctrl.report.figures import plan_figures as draw
 from irb2400_ctrl.report.figures.rotation_figure import rotation_figure
 from irb2400_ctrl.robot import Robot
+from irb2400_ctrl.typed import typed
 
 
+@typed
 def plan_page(
     found: Plan | ProgramMotion,
     title: str,

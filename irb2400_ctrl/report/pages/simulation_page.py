@@ -17,8 +17,10 @@ from irb2400_ctrl.report.figures.simulation_figures import (
 )
 from irb2400_ctrl.simulation import Simulation
 from irb2400_ctrl.simulation.bounds_reached import in_words
+from irb2400_ctrl.typed import typed
 
 
+@typed
 def simulation_page(run: Simulation, name: str) -> Page:
     """The whole report.
 

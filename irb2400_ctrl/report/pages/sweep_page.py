@@ -9,11 +9,13 @@ from irb2400_ctrl.report.figures.sweep_figures import motion_figure, share_figur
 from irb2400_ctrl.sweep.cases import case_of, reference
 from irb2400_ctrl.sweep.run import Sweep
 from irb2400_ctrl.sweep.table import SummaryLine
+from irb2400_ctrl.typed import typed
 
 MOST_PROBLEMS = 50
 """cases with a problem that are listed"""
 
 
+@typed
 def sweep_page(found: Sweep) -> Page:
     """The whole report."""
     page = Page(f"Study {found.study.name}")

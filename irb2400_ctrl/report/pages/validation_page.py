@@ -22,8 +22,10 @@ from irb2400_ctrl.report.figures.residual_figures import (
 )
 from irb2400_ctrl.report.figures.residual_view import residual_view
 from irb2400_ctrl.robot import Robot
+from irb2400_ctrl.typed import typed
 
 
+@typed
 def validation_page(result: Validation, robot: Robot | None = None, log: Log | None = None) -> Page:
     """The whole report; with the robot and the first log its motion is replayed too.
 

@@ -10,9 +10,11 @@ from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.report.elements.arm_view import ArmView, Colouring
 from irb2400_ctrl.report.elements.page import Page
 from irb2400_ctrl.report.elements.plots import Line, joint_plots, over_time
+from irb2400_ctrl.typed import typed
 from irb2400_ctrl.watch import Alarm, Suspicion, Watch
 
 
+@typed
 def watch_page(
     watched: Watch, suspicions: Sequence[Suspicion], name: str, last: float = np.inf
 ) -> Page:

@@ -13,11 +13,13 @@ from irb2400_ctrl.planners.programs.egm import egm_messages as proto
 from irb2400_ctrl.planners.programs.egm.egm_report import EgmError, EgmOptions, EgmReport
 from irb2400_ctrl.robot import Robot
 from irb2400_ctrl.trajectory import Trajectory
+from irb2400_ctrl.typed import typed
 
 # no controller sends faster than this [s]
 _CYCLE = 0.004
 
 
+@typed
 class EgmFollower:
     """The answers to a controller's messages: all of the stream but the socket."""
 

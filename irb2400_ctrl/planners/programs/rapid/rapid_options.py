@@ -12,12 +12,14 @@ from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.given import whole
 from irb2400_ctrl.planners.programs.rapid import rapid_data as data
 from irb2400_ctrl.planners.programs.rapid.rapid_signals import RapidSignal
+from irb2400_ctrl.typed import typed
 
 Motion = Literal["linear", "joint"]
 
 _OWN_NAMES = re.compile(r"p\d+|part\d+|stretch\d+|zpath|zc\d+|vapproach")
 
 
+@typed
 @dataclass(frozen=True)
 class RapidOptions:
     """How a plan is written as RAPID. Names are RAPID identifiers of at most 32 characters."""

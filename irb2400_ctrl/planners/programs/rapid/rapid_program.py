@@ -38,6 +38,7 @@ from irb2400_ctrl.planners.programs.rapid.rapid_signals import EventWriter, Prog
 from irb2400_ctrl.planners.programs.rapid.rapid_steps import program_steps
 from irb2400_ctrl.planners.programs.rapid.rapid_thinning import rows_to_keep, thinned
 from irb2400_ctrl.trajectory import Trajectory
+from irb2400_ctrl.typed import typed
 
 
 @dataclass(frozen=True)
@@ -71,6 +72,7 @@ class RapidProgram:
         return write_atomic(path, self.text.encode("ascii"))
 
 
+@typed
 def rapid_program(
     model: Model,
     motion: Trajectory | ArrayLike,

@@ -28,6 +28,7 @@ from irb2400_ctrl.planners.programs.rapid.rapid_syntax import (
     parse_rapid,
 )
 from irb2400_ctrl.planners.programs.rapid.rapid_tokens import LARGEST_TEXT
+from irb2400_ctrl.typed import typed
 
 __all__ = ["RapidModule", "RapidMove", "load_rapid", "read_rapid"]
 
@@ -59,6 +60,7 @@ def load_rapid(path: Path | str) -> RapidModule:
     return read_rapid(text, parts)
 
 
+@typed
 def read_rapid(text: str, parts: Mapping[str, str] | None = None) -> RapidModule:
     """The module in `text`.
 
