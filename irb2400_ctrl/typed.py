@@ -75,13 +75,30 @@ def typed(made: Callee) -> Callee:
     def called(*args: Any, **kwargs: Any) -> Any:
         # only now: an annotation may name what stands further down in its module
         stated.update(stated or _stated(made, signature))
-        for name, value in signature.bind(*args, **kwargs).arguments.items():
+        try:
+            given = signature.bind(*args, **kwargs).arguments
+        except TypeError:
+            # Python's own words name the function
+            return made(*args, **kwargs)
+        for name, value in given.items():
             if name in stated and not _fits(value, stated[name]):
                 expected = _in_words(stated[name])
                 raise InputError(f"{name}: found {_found(value)}, expected {expected}")
         return made(*args, **kwargs)
 
     return called  # type: ignore[return-value]
+
+
+def in_plain_words(table: type, error: Any) -> InputError:
+    """What pydantic's `ValidationError` says of a table's fields, its first problem."""
+    first = error.errors()[0]
+    says = first["msg"].removeprefix("Value error, ")
+    place = ".".join(map(str, first["loc"]))
+    if not place:
+        return InputError(f"{table.__name__}: {says}")
+    found = f"no {place}" if first["type"] == "missing" else f"{place} = {first['input']!r:.60}"
+    names = ", ".join(getattr(table, "model_fields", ()))
+    return InputError(f"{table.__name__}: found {found} ({says}); it has {names}")
 
 
 def _stated(made: Callable[..., Any], signature: inspect.Signature) -> dict[str, Any]:
@@ -109,7 +126,7 @@ def _fits(value: Any, kind: Any) -> bool:
         return callable(value)
     if inspect.isclass(origin):
         return _holds(value, origin, parts)
-    if not inspect.isclass(kind) or getattr(kind, "_is_protocol", False):
+    if kind is Any or not inspect.isclass(kind) or getattr(kind, "_is_protocol", False):
         return True
     return isinstance(value, kind)
 

@@ -26,7 +26,7 @@ from typing import Any, ClassVar, Literal, Self
 import casadi as ca
 import numpy as np
 import numpy.typing as npt
-from pydantic import AliasChoices, BaseModel, ConfigDict, Field
+from pydantic import AliasChoices, BaseModel, ConfigDict, Field, ValidationError
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.effects.ambiguity import Ambiguity
@@ -36,6 +36,7 @@ from irb2400_ctrl.effects.registry import LIBRARY, load_effects, register, sourc
 from irb2400_ctrl.effects.search import Search
 from irb2400_ctrl.effects.signals import Signals
 from irb2400_ctrl.effects.transmission import Transmission
+from irb2400_ctrl.typed import in_plain_words
 
 Acts = Literal["force", "parameters", "measurement", "transmission"]
 Role = Literal["force", "parameters", "measurement"]
@@ -186,8 +187,15 @@ class Effect(BaseModel, ABC):
 
     @classmethod
     def of(cls, joint: int | None, **fields: Any) -> Self:
-        """The validated effect with the given fields."""
-        return cls.model_validate({"joint": joint, **fields})
+        """The validated effect with the given fields.
+
+        Raises:
+            InputError: a field that it does not have, lacks, or whose bounds the value leaves.
+        """
+        try:
+            return cls.model_validate({"joint": joint, **fields})
+        except ValidationError as error:
+            raise in_plain_words(cls, error) from error
 
     @classmethod
     def representative(cls, joint: int | None, inertia: float, duration: float) -> Self:

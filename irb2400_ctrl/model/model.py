@@ -79,8 +79,17 @@ class Model(SymbolicArm):
             friction, time, wrench: as in `inverse_dynamics`.
         """
         name = "forward_dynamics" if friction else "forward_dynamics_without_friction"
-        driving = tau if wrench is None else tau + self.external_torque(q, wrench)
-        return evaluate(self.function(name), q, qd, driving, constants=(time,))
+        if wrench is not None:
+            pushed = self.external_torque(q, wrench)
+            # a number alone would be added to every axis
+            if isinstance(pushed, np.ndarray) and np.shape(numbers("tau", tau))[-1:] != (
+                self.robot.n,
+            ):
+                raise InputError(
+                    f"tau: found shape {np.shape(tau)}, expected ({self.robot.n},) or (m, n)"
+                )
+            tau = tau + pushed
+        return evaluate(self.function(name), q, qd, tau, constants=(time,))
 
     def mass_matrix(self, q: Value) -> Value:
         """M(q), inertia of the effects included (eq. 50), shape (n, n) [kg m2]."""
@@ -160,7 +169,7 @@ class Model(SymbolicArm):
     def smallest_singular_value(self, q: Array) -> Array:
         """How far any arm is from a singularity: the smallest singular value of the Jacobian, its
         linear rows over the arm's reach, shape () or (m,) [-]; zero in every singularity."""
-        J = np.array(self.tcp_jacobian(np.asarray(q, dtype=float)))
+        J = np.array(self.tcp_jacobian(numbers("q", q)))
         frames = [link.frame.matrix() for link in self.robot.links]
         reach = sum(float(np.linalg.norm(X[:3, 3])) for X in (*frames, self.robot.flange.matrix()))
         J[..., :3, :] /= max(reach, 1e-9)
@@ -202,7 +211,8 @@ class Model(SymbolicArm):
         X = numbers("poses", X_BT)
         if X.ndim != 3 or X.shape[1:] != (4, 4):
             raise InputError(f"poses: found an array of shape {X.shape}, expected (m, 4, 4)")
-        return self._branch_solver.many(X @ self._X_TF, seed)
+        q = None if seed is None else numbers("seed", seed)
+        return self._branch_solver.many(X @ self._X_TF, q)
 
     @cached_property
     def _branch_solver(self) -> BranchSolver:
@@ -243,6 +253,7 @@ class Model(SymbolicArm):
 
     # ---- CasADi functions
 
+    @typed
     def function(self, name: str) -> ca.Function:
         """The CasADi function (SX) behind a method, built once; for code generation and
         optimisation."""

@@ -13,7 +13,7 @@ from typing import Any, Literal, Self
 
 import numpy as np
 import numpy.typing as npt
-from pydantic import Field, model_validator
+from pydantic import Field, ValidationError, model_validator
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.effects import LIBRARY, AnyEffect, load_effects
@@ -26,6 +26,7 @@ from irb2400_ctrl.robot.link import Coupling, Link, ModifiedDH, Tool, Transform
 from irb2400_ctrl.robot.outline import Outline
 from irb2400_ctrl.robot.table import Table, Vector3
 from irb2400_ctrl.robot.uncertainty import Uncertainty
+from irb2400_ctrl.typed import in_plain_words
 
 STRIBECK_RAD_S = 0.01
 """speed at which static friction would fade where the file states none; typical of such gears"""
@@ -209,7 +210,13 @@ class Robot(Table):
         return np.array(values, dtype=float)
 
     def with_unknown_friction(self, of: Collection[int]) -> Robot:
-        """The same arm, nothing known of the friction of these joints (from 1)."""
+        """The same arm, nothing known of the friction of these joints (from 1).
+
+        Raises:
+            InputError: a joint that it does not have.
+        """
+        if not set(of) <= set(range(1, self.n + 1)):
+            raise InputError(f"of: found {of}, expected joints from 1 to {self.n}")
         joints = [
             joint.model_copy(update={"friction": Friction()}) if j in of else joint
             for j, joint in enumerate(self.joints, 1)
@@ -323,9 +330,16 @@ class Robot(Table):
 
     def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Robot:
         """This robot with some fields changed, validated; nothing computed for the old one is
-        carried along."""
+        carried along.
+
+        Raises:
+            InputError: a field that it does not have, or a value that makes no robot.
+        """
         fields = {name: getattr(self, name) for name in type(self).model_fields}
-        return type(self).model_validate({**fields, **(update or {})})
+        try:
+            return type(self).model_validate({**fields, **(update or {})})
+        except ValidationError as error:
+            raise in_plain_words(type(self), error) from error
 
 
 def _read_only(array: Array) -> Array:

@@ -14,7 +14,7 @@ from pydantic import (
     model_validator,
 )
 
-from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.typed import in_plain_words
 
 NotNegative = Annotated[float, Field(ge=0)]
 
@@ -28,12 +28,7 @@ class _Instrument(BaseModel):
         try:
             return read(given)
         except ValidationError as error:
-            first = error.errors()[0]
-            names = ", ".join(cls.model_fields)
-            raise InputError(
-                f"{cls.__name__}: found {'.'.join(map(str, first['loc']))} = {first['input']!r:.60}"
-                f" ({first['msg']}); it has {names}"
-            ) from error
+            raise in_plain_words(cls, error) from error
 
 
 class Sensors(_Instrument):

@@ -16,11 +16,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from pydantic import ValidationError
 
 from irb2400_ctrl.effects import Effect
 from irb2400_ctrl.effects.added_body import Payload
-from irb2400_ctrl.errors import IrbError
+from irb2400_ctrl.errors import InputError, IrbError
 from irb2400_ctrl.robot import Robot
 from irb2400_ctrl.simulation import Loop, Simulation, Trajectory, make_loop, perturbed_robot
 from irb2400_ctrl.simulation.effect_data import structure
@@ -110,8 +109,8 @@ def drawn_plant(study: Study, number: int) -> DrawnPlant:
     values["torque_noise_Nm"] = noise
     try:
         arm = perturbed_robot(study.robot, seed, **spread.model_dump()).with_effects(*effects)
-    except ValidationError as error:
-        raise IrbError(f"plant {number} is no valid robot: {error.errors()[0]['msg']}") from error
+    except InputError as error:
+        raise IrbError(f"plant {number} is no valid robot: {error}") from error
     return DrawnPlant(arm, values, noise)
 
 

@@ -104,9 +104,8 @@ class EffectDraw(BaseModel):
             # every corner that a draw may come near has to be a valid effect
             for end in (0, 1):
                 try:
-                    self._make(
-                        joint, {name: _corner(value, end) for name, value in self.ranges.items()}
-                    )
+                    corner = {name: _corner(value, end) for name, value in self.ranges.items()}
+                    LIBRARY[self.kind].model_validate({"joint": joint, **corner})
                 except ValidationError as error:
                     problems += [_problem(self.kind, item) for item in error.errors()]
         if problems:
@@ -164,7 +163,7 @@ def without_size(effect: Effect) -> Effect | None:
     try:
         zero = type(effect).of(effect.joint, **values)
         return zero if not any(zero.coefficients()) else None
-    except (ValidationError, ZeroDivisionError):
+    except (InputError, ZeroDivisionError):
         return None
 
 

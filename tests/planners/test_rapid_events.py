@@ -198,7 +198,7 @@ def test_options_of_the_command_line() -> None:
         (["targets_per_module=3"], [], "at least 10"),
         (["state_time=2"], [], "expected yes or no"),
         (["tool=proc"], [], "tool is 'proc'"),
-        (["approach_mm=nan"], [], "approach_mm is nan, expected 0 to 1000"),
+        (["approach_mm=nan"], [], "approach_mm: found nan, expected a number"),
         (["corner_mm=0"], [], "corner_mm is 0"),
         (["folder=C:\\x"], [], "folder is"),
         ([], ["spindle"], "expected EVENT=FORM:NAME"),

@@ -94,7 +94,7 @@ def test_save(model: irb.Model, tmp_path: Path) -> None:
         ({"entry": "Proc"}, "entry is 'Proc'"),
         ({"tool": "wplanned"}, "four different"),
         ({"module": "Part1"}, "own"),
-        ({"motion": "spline"}, "motion is 'spline'"),
+        ({"motion": "spline"}, "motion: found 'spline', expected linear or joint"),
         ({"tolerance_mm": 0.0}, "tolerance_mm is 0.0"),
         ({"zone_mm": -1.0}, "zone_mm is -1.0"),
         ({"moves_per_procedure": 0}, "moves_per_procedure"),

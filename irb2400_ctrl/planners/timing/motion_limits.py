@@ -75,6 +75,11 @@ class MotionLimits:
         for name, unit in (("qd_max", "rad/s"), ("tau_max", "Nm"), ("qdd_max", "rad/s2")):
             found = np.asarray(getattr(self, name), dtype=float)
             allowed = getattr(widest, name)
+            if found.shape != allowed.shape:
+                raise InputError(
+                    f"limits: found {name} of shape {found.shape}, expected {allowed.shape}: one "
+                    "value per axis"
+                )
             wrong = found > allowed * (1 + 1e-9)
             if wrong.any():
                 j = int(np.argmax(wrong))

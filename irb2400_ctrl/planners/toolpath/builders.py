@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.given import numbers
 from irb2400_ctrl.planners.toolpath.orientation import frame_of
 from irb2400_ctrl.planners.toolpath.toolpath import ToolPath
 from irb2400_ctrl.typed import typed
@@ -144,7 +145,12 @@ def curve(
     """
     t = np.linspace(0, 1, 65)
     for _ in range(16):
-        p = position(t)
+        p = numbers(f"{name}, position(t)", position(t))
+        if p.shape != (len(t), 3):
+            raise InputError(
+                f"{name}: position(t) has shape {p.shape} for t of shape {t.shape}, expected "
+                f"{(len(t), 3)}: a point for each"
+            )
         middle = (t[:-1] + t[1:]) / 2
         sagitta = np.linalg.norm(position(middle) - (p[:-1] + p[1:]) / 2, axis=1)
         coarse = sagitta > chord

@@ -68,8 +68,6 @@ class RapidOptions:
                 "and p<number>, part<number>, stretch<number>, zPath, zC<number> and vApproach are "
                 "the module's own"
             )
-        if self.motion not in ("linear", "joint"):
-            raise InputError(f"RAPID: motion is {self.motion!r}, expected linear or joint")
         for key in ("tolerance_mm", "tolerance_deg", "approach_speed_mm_s"):
             if not (np.isfinite(getattr(self, key)) and getattr(self, key) > 0):
                 raise InputError(
