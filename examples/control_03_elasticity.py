@@ -61,12 +61,20 @@ for kind, drawn in (("rigid", arms), ("elastic", soft)):
         f"{told([1e3 * m.delay for m in margins])} ms, phase margin "
         f"{told([np.degrees(m.phase) for m in margins])} deg"
     )
-    for loop, colour in zip(loops, colours, strict=True):
+    for k, (loop, colour) in enumerate(zip(loops, colours, strict=True)):
         style = {"color": colour} if kind == "elastic" else {"color": "k", "ls": "--", "lw": 0.5}
+        label = f"{kind}, {stiffnesses[k]:.0e} Nm/rad" if kind == "elastic" else "rigid"
+        ends = (0, len(loops) - 1) if kind == "elastic" else (0,)
+        style["label"] = label if k in ends else None
         left.loglog(loop.omega, np.abs(loop.sensitivity[:, 0, 0]), **style)
 left.set(
-    xlabel="frequency [rad/s]", ylabel="|S| of axis 1 [-]", title="Sensitivity", ylim=(1e-2, 10)
+    xlabel="frequency [rad/s]",
+    ylabel="|S| of axis 1 [-]",
+    title="Sensitivity",
+    xlim=(3, None),
+    ylim=(1e-2, 10),
 )
+left.legend()
 motion = move(0.8, 1.0)
 even = slice(300, 800)
 

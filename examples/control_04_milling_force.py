@@ -65,10 +65,10 @@ print(
     f"of 20 arms ({min(off):.0f} to {max(off):.0f}): what their torques differ from the model's"
 )
 for axis, (label, colour) in enumerate(zip("xyz", ("C0", "C1", "C2"), strict=True)):
-    bottom.plot(run.time, wrench[:, axis], colour, alpha=0.3)
+    bottom.plot(run.time, wrench[:, axis], colour, alpha=0.3, label=f"acting F{label}")
     bottom.plot(run.time, force[:, axis], colour, lw=0.8, label=f"estimated F{label}")
-bottom.set(xlabel="time [s]", ylabel="force on the tool [N]", ylim=(-300, 400))
-bottom.legend(loc="upper right")
+bottom.set(xlabel="time [s]", ylabel="force on the tool [N]", ylim=(-100, 300))
+bottom.legend(loc="upper right", ncols=3, title="the last of the arms")
 for axes in (top, bottom):
     axes.grid(alpha=0.3)
 figure.tight_layout()

@@ -1,5 +1,5 @@
-"""What is it worth to tell the controller of an effect? A balancer, a worn gear and a payload on
-twenty arms, known or not."""
+"""What is it worth to tell the controller of an effect? A balancer, a worn gear, hysteresis and a
+payload on twenty arms, known or not."""
 
 import matplotlib.pyplot as plt
 import numpy as np

@@ -17,7 +17,9 @@ import pytest
 import irb2400_ctrl as irb
 from irb2400_ctrl import codegen, controllers, excitation, planners, watch
 from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.planners.programs import egm
 from irb2400_ctrl.planners.programs.egm import EgmFollower
+from irb2400_ctrl.planners.programs.rapid.rapid_of_plan import rapid_of_plan
 from irb2400_ctrl.typed import MADE_BY, typed
 
 ROOMS = [
@@ -135,6 +137,8 @@ WRONG: dict[str, tuple[Callable[[], object], str]] = {
         "^tau: found",
     ),
     "a place in words": (lambda: MODEL.smallest_singular_value("home"), "^q: found 'home'"),
+    "a motion for what follows it": (lambda: egm.stream(MOTION), "^follower: found a Trajectory"),
+    "a motion for its plan": (lambda: rapid_of_plan(MOTION), "^plan: found a Trajectory"),
     "several functions": (lambda: MODEL.function(["gravity"]), "^name: found a list of str"),
 }
 

@@ -17,10 +17,12 @@ from irb2400_ctrl.planners.programs.egm import egm_messages as proto
 from irb2400_ctrl.planners.programs.egm.egm_follower import EgmFollower
 from irb2400_ctrl.planners.programs.egm.egm_report import EgmError, EgmOptions, EgmReport
 from irb2400_ctrl.planners.programs.egm.egm_socket import PORT, listening
+from irb2400_ctrl.typed import typed
 
 __all__ = ["PORT", "EgmError", "EgmFollower", "EgmOptions", "EgmReport", "stream"]
 
 
+@typed
 def stream(
     follower: EgmFollower,
     *,

@@ -15,11 +15,13 @@ from irb2400_ctrl.planners.plan import Plan
 from irb2400_ctrl.planners.programs.rapid.rapid_options import RapidOptions
 from irb2400_ctrl.planners.programs.rapid.rapid_program import RapidProgram, rapid_program
 from irb2400_ctrl.planners.toolpath.cam_program import Operation
+from irb2400_ctrl.typed import typed
 
 JOINT_MOVES = frozenset({"approach", "link", "unwind", "return", "turn"})
 """segments in which the joints move, not the tool on a line"""
 
 
+@typed
 def rapid_of_plan(
     plan: Plan,
     operation: Operation | None = None,
@@ -49,6 +51,7 @@ def rapid_of_plan(
     )
 
 
+@typed
 def rapid_of_motion(
     motion: ProgramMotion, options: RapidOptions | None = None, *, X_BW: Array | None = None
 ) -> RapidProgram:

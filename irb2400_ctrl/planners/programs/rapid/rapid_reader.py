@@ -43,6 +43,7 @@ _OWN: dict[str, Any] = {
 }
 
 
+@typed
 def load_rapid(path: Path | str) -> RapidModule:
     """The program in a file; the modules that it loads stand beside it.
 
