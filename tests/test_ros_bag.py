@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import struct
 from pathlib import Path
 
@@ -45,6 +46,22 @@ def test_read_back_it_is_the_same(tmp_path: Path) -> None:
     (data,) = [data for name, data in found if name == "trajectory_msgs/msg/JointTrajectory"]
     assert len(found) == 1 + len(sent.time)
     assert decoded(data) == (list(ROBOT.joint_names), pytest.approx(table(sent), abs=1e-4))
+
+
+def test_a_motion_whose_clock_has_run_begins_at_once(tmp_path: Path) -> None:
+    reader = pytest.importorskip("mcap.reader")
+    sent = motion()
+    late = irb.Trajectory(sent.time + 900.0, sent.q, sent.qd, sent.qdd, sent.tau)
+    save_trajectory(late, tmp_path / "late.csv")
+    words = ["path", "bag", str(tmp_path / "late.csv"), "--out", str(tmp_path), "--json"]
+    done = CliRunner().invoke(app, words)
+    assert json.loads(done.stdout)["duration_s"] == pytest.approx(2.0)
+    with (tmp_path / "trajectory.mcap").open("rb") as file:
+        messages = reader.make_reader(file).iter_messages(topics=["/joint_trajectory"])
+        (data,) = [message.data for _, _, message in messages]
+    assert decoded(data)[1] == pytest.approx(table(sent), abs=1e-4)
+    log = irb.read_log(tmp_path / "trajectory.mcap", names=ROBOT.joint_names)
+    assert log.time[0] == 0.0
 
 
 def table(sent: irb.Trajectory) -> np.ndarray:

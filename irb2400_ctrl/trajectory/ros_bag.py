@@ -1,7 +1,8 @@
 """A motion as a ROS 2 bag (MCAP): what a joint trajectory controller takes, and what RViz plays.
 
 `/joint_trajectory` holds one `trajectory_msgs/msg/JointTrajectory`, `/joint_states` a
-`sensor_msgs/msg/JointState` a row, stamped from zero; both in CDR, little endian, SI and radians.
+`sensor_msgs/msg/JointState` a row, stamped from zero at the first row; both in CDR, little endian,
+SI and radians.
 """
 
 from __future__ import annotations
@@ -9,6 +10,7 @@ from __future__ import annotations
 import io
 import struct
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -111,6 +113,8 @@ def save_ros_bag(motion: Trajectory, names: Sequence[str], path: Path | str) -> 
     if motion.external is not None:
         names = [*names, *(f"external_{j + 1}" for j in range(motion.external.q.shape[1]))]
         motion = motion.together()
+    # a log's clock may have run for hours: a controller would wait as long
+    motion = replace(motion, time=motion.time - motion.time[0], check_speeds=False)
     messages: list[tuple[str, float, bytes]] = [("/joint_trajectory", 0.0, _whole(motion, names))]
     messages += [
         ("/joint_states", float(time), _state(motion, names, row))

@@ -28,7 +28,7 @@ def bag(trajectory: TrajectoryArgument, out: OutOption, robot: RobotOption = "ir
     arm = load_arm(robot)
     motion = load_trajectory(trajectory, arm.n)
     written = save_ros_bag(motion, arm.joint_names, out / "trajectory.mcap")
-    print(f"{len(motion.time)} points of {', '.join(arm.joint_names)}, {motion.time[-1]:.2f} s")
+    print(f"{len(motion.time)} points of {', '.join(arm.joint_names)}, {motion.duration:.2f} s")
     print(f"written: {written}")
     facts = {"points": len(motion.time), "joints": list(arm.joint_names)}
-    return Summary({**facts, "duration_s": float(motion.time[-1])}, [written])
+    return Summary({**facts, "duration_s": motion.duration}, [written])
