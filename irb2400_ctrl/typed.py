@@ -9,12 +9,16 @@ from functools import wraps
 from numbers import Integral, Real
 from pathlib import Path
 from types import NoneType, UnionType
-from typing import Any, Literal, TypeVar, Union, get_args, get_origin, get_type_hints
+from typing import TYPE_CHECKING, Any, Literal, TypeVar, Union, get_args, get_origin, get_type_hints
 
 import numpy as np
 
 from irb2400_ctrl.errors import InputError
 
+if TYPE_CHECKING:
+    from pydantic import BaseModel
+
+Table = TypeVar("Table", bound="BaseModel")
 Callee = TypeVar("Callee", bound=Callable[..., Any])
 
 MADE_BY = {
@@ -87,6 +91,16 @@ def typed(made: Callee) -> Callee:
         return made(*args, **kwargs)
 
     return called  # type: ignore[return-value]
+
+
+def validated(table: type[Table], values: Mapping[str, Any]) -> Table:
+    """The table of these values; `InputError` where pydantic refuses one."""
+    from pydantic import ValidationError
+
+    try:
+        return table.model_validate(values)
+    except ValidationError as error:
+        raise in_plain_words(table, error) from error
 
 
 def in_plain_words(table: type, error: Any) -> InputError:

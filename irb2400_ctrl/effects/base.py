@@ -26,7 +26,7 @@ from typing import Any, ClassVar, Literal, Self
 import casadi as ca
 import numpy as np
 import numpy.typing as npt
-from pydantic import AliasChoices, BaseModel, ConfigDict, Field, ValidationError
+from pydantic import AliasChoices, BaseModel, ConfigDict, Field
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.effects.ambiguity import Ambiguity
@@ -36,7 +36,7 @@ from irb2400_ctrl.effects.registry import LIBRARY, load_effects, register, sourc
 from irb2400_ctrl.effects.search import Search
 from irb2400_ctrl.effects.signals import Signals
 from irb2400_ctrl.effects.transmission import Transmission
-from irb2400_ctrl.typed import in_plain_words
+from irb2400_ctrl.typed import validated
 
 Acts = Literal["force", "parameters", "measurement", "transmission"]
 Role = Literal["force", "parameters", "measurement"]
@@ -187,15 +187,8 @@ class Effect(BaseModel, ABC):
 
     @classmethod
     def of(cls, joint: int | None, **fields: Any) -> Self:
-        """The validated effect with the given fields.
-
-        Raises:
-            InputError: a field that it does not have, lacks, or whose bounds the value leaves.
-        """
-        try:
-            return cls.model_validate({"joint": joint, **fields})
-        except ValidationError as error:
-            raise in_plain_words(cls, error) from error
+        """The validated effect of these fields; InputError: one is unknown, missing or wrong."""
+        return validated(cls, {"joint": joint, **fields})
 
     @classmethod
     def representative(cls, joint: int | None, inertia: float, duration: float) -> Self:
@@ -218,13 +211,11 @@ class Effect(BaseModel, ABC):
 
     @classmethod
     def beginnings(cls) -> int:
-        """How many of the internal states, the first ones, may have any value when a record
-        begins."""
+        """How many of the internal states, the first ones, have any value as a record begins."""
         return len(cls.states)
 
     def steady_state(self, s: Signals) -> ca.SX:
-        """The internal states after a long motion in one direction: what a memoryless consumer
-        uses."""
+        """The internal states after a long motion one way: what a memoryless consumer uses."""
         return ca.SX(len(self.states), 1)
 
     def settled(self, turned: ca.SX) -> tuple[ca.SX, ca.SX] | None:

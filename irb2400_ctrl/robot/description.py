@@ -13,7 +13,7 @@ from typing import Any, Literal, Self
 
 import numpy as np
 import numpy.typing as npt
-from pydantic import Field, ValidationError, model_validator
+from pydantic import Field, model_validator
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.effects import LIBRARY, AnyEffect, load_effects
@@ -26,7 +26,7 @@ from irb2400_ctrl.robot.link import Coupling, Link, ModifiedDH, Tool, Transform
 from irb2400_ctrl.robot.outline import Outline
 from irb2400_ctrl.robot.table import Table, Vector3
 from irb2400_ctrl.robot.uncertainty import Uncertainty
-from irb2400_ctrl.typed import in_plain_words
+from irb2400_ctrl.typed import validated
 
 STRIBECK_RAD_S = 0.01
 """speed at which static friction would fade where the file states none; typical of such gears"""
@@ -336,10 +336,7 @@ class Robot(Table):
             InputError: a field that it does not have, or a value that makes no robot.
         """
         fields = {name: getattr(self, name) for name in type(self).model_fields}
-        try:
-            return type(self).model_validate({**fields, **(update or {})})
-        except ValidationError as error:
-            raise in_plain_words(type(self), error) from error
+        return validated(type(self), {**fields, **(update or {})})
 
 
 def _read_only(array: Array) -> Array:
