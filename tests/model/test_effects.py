@@ -16,6 +16,7 @@ from model.states import States
 import irb2400_ctrl as irb
 from irb2400_ctrl.effects import LIBRARY, Effect
 from irb2400_ctrl.effects.drawing import Signal
+from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.excitation.segments import FLAVOURS
 
 FIELDS: dict[str, dict[str, Any]] = {
@@ -303,7 +304,7 @@ def test_a_wrist_coupling_of_an_older_file_jumps_as_it_did(robot: irb.Robot) -> 
     older = LIBRARY["wrist_coupling"].of(4, dry_Nm=2.0, discrepancy=(0.1, 0.2, 0.3, 0.4))
     assert older.discrepancy == (0.1, 0.2, 0.3, 0.4, 0.0, 0.0, 0.0, 0.0)
     robot.with_effects(older)
-    with pytest.raises(ValueError, match="a discrepancy of 5 numbers, expected 8 or none"):
+    with pytest.raises(InputError, match="a discrepancy of 5 numbers, expected 8 or none"):
         robot.with_effects(LIBRARY["wrist_coupling"].of(4, discrepancy=(0.1,) * 5))
 
 

@@ -8,6 +8,7 @@ from model.states import States
 
 import irb2400_ctrl as irb
 from irb2400_ctrl.effects import LIBRARY
+from irb2400_ctrl.errors import InputError
 
 
 def test_load_friction_of_a_file_departs_by_a_power_of_the_load_alone(
@@ -26,5 +27,5 @@ def test_load_friction_of_a_file_departs_by_a_power_of_the_load_alone(
     assert fast.any()
     found = np.asarray(whole - plain)
     np.testing.assert_allclose(found[fast, 1], more[fast], rtol=1e-6, atol=1e-6)
-    with pytest.raises(ValueError, match="a discrepancy of 2 numbers, expected 1 or none"):
+    with pytest.raises(InputError, match="a discrepancy of 2 numbers, expected 1 or none"):
         robot.with_effects(LIBRARY["load_friction"].of(2, coefficient=mu, discrepancy=(0.1, 0.1)))

@@ -40,7 +40,7 @@ def test_a_changed_copy_carries_nothing_over_from_the_old_one(robot: irb.Robot) 
     assert robot.gravity[2] == -9.81
     moon = robot.model_copy(update={"gravity_m_s2": (0.0, 0.0, -1.62)})
     assert moon.gravity[2] == -1.62
-    with pytest.raises(ValueError, match="gravity_m_s2"):
+    with pytest.raises(InputError, match="gravity_m_s2"):
         robot.model_copy(update={"gravity_m_s2": (0.0, 0.0)})
 
 
@@ -170,6 +170,6 @@ def test_equality_is_of_the_description_not_of_what_was_computed() -> None:
 def test_a_discrepancy_of_another_length_is_refused() -> None:
     spring = LIBRARY["cable_spring"].of(4, stiffness_Nm_rad=3.0, discrepancy=(1.0,))
     with pytest.raises(
-        ValueError, match="cable_spring has a discrepancy of 1 numbers, expected 2 or none"
+        InputError, match="cable_spring has a discrepancy of 1 numbers, expected 2 or none"
     ):
         irb.load_robot("irb2400").with_effects(spring)

@@ -77,7 +77,7 @@ def test_rows_that_are_no_triangle_are_refused(row: str) -> None:
 
 def test_what_is_left_is_of_every_joint() -> None:
     known = Identified.of(NAMES, covariance(), left_Nm=(1.0, 2.0))
-    with pytest.raises(ValueError, match="identified: found 2 left_Nm, expected 6"):
+    with pytest.raises(InputError, match="identified: found 2 left_Nm, expected 6"):
         load_robot("irb2400").model_copy(update={"identified": known})
 
 
