@@ -264,7 +264,7 @@ def test_the_step_of_the_noise_is_that_of_the_rows() -> None:
     """Rows of logs that a recorder low-passed stand further apart than the common filter says."""
     rows = np.concatenate([np.arange(0.0, 5.0, 0.124), np.arange(6.0, 12.0, 0.124)])
     known = np.ones((len(rows), 1), dtype=bool)
-    log: Any = SimpleNamespace(row_time=rows, row_known=known)
+    log: Any = SimpleNamespace(row_time=rows, row_known=known, tau=np.ones_like(known, float))
     assert NoiseModel.of(log, ~known, np.zeros(1)).step == pytest.approx(0.124)
 
 

@@ -19,6 +19,9 @@ ORDER = 2
 """of the filter; `_colour` is that of two coefficients"""
 MOST_COLOUR = 4.0
 """largest over geometric mean power density that is believed to be noise"""
+FINEST = 1e-4
+"""share of a joint's rms torque that is called noise at least: a log that was made of the model has
+none, and is right to what derivatives of its angles are worth"""
 SLOW = 0.3
 """[s] over which what a model of an arm leaves of a motion stays what it is"""
 _TURNS = np.exp(-1j * np.outer(np.arange(1, ORDER + 1), 2.0 * np.pi * np.arange(256) / 256))
@@ -70,12 +73,14 @@ class NoiseModel:
         wander: rms of what a model of this very arm leaves of a motion, slowly and by no law,
             shape (n,) [Nm]. It is not estimated from the log: there it is what a law may explain.
         step: between two rows [s].
+        least: that noise is taken for, shape (n,) or one for all [Nm].
     """
 
     known: Mask
     reversal: Mask
     wander: Array
     step: float
+    least: Array | float = 1e-9
 
     @classmethod
     def of(cls, motion: PreparedLog, reversal: Mask, wander: Array) -> NoiseModel:
@@ -84,24 +89,30 @@ class NoiseModel:
         Args:
             motion: prepared; reversal, wander: as of the class.
         """
-        return cls(motion.row_known, reversal, wander, float(np.median(np.diff(motion.row_time))))
+        step = float(np.median(np.diff(motion.row_time)))
+        least = FINEST * np.sqrt(np.mean(motion.tau**2, axis=0)) + 1e-9
+        return cls(motion.row_known, reversal, wander, step, least)
 
     def white(self, residual: Array) -> tuple[Noise, ...]:
         """White noise of the level that row-to-row differences show (robust against slow misfit),
         larger near reversals; `residual`: what the model leaves, shape (rows, n) [Nm]."""
-        each = zip(residual.T, self._kept, self.reversal.T, strict=True)
-        return tuple(_white(here, rows, turning) for here, rows, turning in each)
+        each = zip(residual.T, self._kept, self.reversal.T, self._least, strict=True)
+        return tuple(_white(here, rows, turning, least) for here, rows, turning, least in each)
 
     def coloured(self, residual: Array) -> tuple[Noise, ...]:
         """AR(ORDER) of each joint by least squares on the gap-free rows, of few rows white, and
         what is left of any motion; argument as of `white`."""
-        each = zip(residual.T, self._kept, self.reversal.T, self.wander, strict=True)
+        per_joint = (residual.T, self._kept, self.reversal.T, self._least, self.wander)
         return tuple(
-            _Fitted(here, rows, turning).noise(wander, self.step)
+            _Fitted(here, rows, turning).noise(least, wander, self.step)
             if len(rows) >= 20 * ORDER
-            else _white(here, rows, turning, wander)
-            for here, rows, turning, wander in each
+            else _white(here, rows, turning, least, wander)
+            for here, rows, turning, least, wander in zip(*per_joint, strict=True)
         )
+
+    @property
+    def _least(self) -> Array:
+        return np.broadcast_to(self.least, len(self._kept))
 
     @cached_property
     def _kept(self) -> list[npt.NDArray[np.intp]]:
@@ -118,13 +129,13 @@ def complete_rows(known: Mask, order: int = ORDER) -> npt.NDArray[np.intp]:
 
 
 def _white(
-    residual: Array, kept: npt.NDArray[np.intp], reversal: Mask, wander: float = 0.0
+    residual: Array, kept: npt.NDArray[np.intp], reversal: Mask, least: float, wander: float = 0.0
 ) -> Noise:
     """White noise of one joint, and a wander [Nm].
 
     Args:
         residual, reversal: of the joint, shape (rows,); kept: its rows.
-        wander: as of `NoiseModel`.
+        least, wander: as of `NoiseModel`.
     """
     a = np.zeros(ORDER + 1)
     a[0] = 1.0
@@ -133,7 +144,7 @@ def _white(
     differences = (residual[kept] - residual[kept - 1]) / np.sqrt(2.0)
     calm = ~reversal[kept]
     use = calm if calm.sum() > 20 else np.ones(len(kept), dtype=bool)
-    level = max(float(np.hypot(np.median(np.abs(differences[use])) / 0.6745, wander)), 1e-9)
+    level = max(float(np.hypot(np.median(np.abs(differences[use])) / 0.6745, wander)), least)
     return Noise(a, _weights(differences, level, calm), kept)
 
 
@@ -197,8 +208,12 @@ class _Fitted:
         gram += 1e-3 * np.trace(gram) / ORDER * np.eye(ORDER)
         return np.asarray(np.linalg.solve(gram, past.T @ self.now[self.use]))
 
-    def noise(self, wander: float, step: float) -> Noise:
-        """What the coefficients leave is white; `wander` [Nm] is noise too."""
+    def noise(self, least: float, wander: float, step: float) -> Noise:
+        """What the coefficients leave is white, of at least `least` [Nm]; `wander` is noise too.
+
+        Args:
+            least, wander, step: as of `NoiseModel`.
+        """
         coefficients = _not_too_coloured(self.coefficients())
         error = self.now - self.past @ coefficients
         sigma = float(np.sqrt(np.mean(error[self.use] ** 2)))
@@ -206,7 +221,7 @@ class _Fitted:
             coefficients, sigma = _with_wander(coefficients, sigma, wander, step)
             error = self.now - self.past @ coefficients
         a = np.append(1.0, -coefficients)
-        return Noise(a, _weights(error, max(sigma, 1e-9), self.calm), self.kept)
+        return Noise(a, _weights(error, max(sigma, least), self.calm), self.kept)
 
 
 def _with_wander(
