@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any, ClassVar, Literal, Self
 
 import casadi as ca
+import numpy as np
 from pydantic import Field
 
 from irb2400_ctrl.effects.ambiguity import POSITION_ERROR, Ambiguity
@@ -24,9 +25,13 @@ class TransmissionBacklash(Effect):
     q_j - x gap / 2 with
 
     x'' + 1.4 w x' + w^2 x = w^2 sgn(load_j),  tau = tau_rigid - gap / 2 (M(:, j) x'' + (dtau/dq_j)
-    x).
+    x),
 
-    w = pi / crossing_s: the link crosses the gap in about that time, with a push at either side.
+    1 / w^2 = (crossing_s / pi)^2 + M_jj flight / (2 |load_j|).
+
+    Between the sides no gear pushes: the load alone takes the link across, gap / 2 x'' = load_j /
+    M_jj in the mean, so that a load which changes its sign slowly takes long; never in less than
+    about crossing_s. The push at either side is in x''.
     """
 
     acts: ClassVar[Acts] = "transmission"
@@ -36,7 +41,11 @@ class TransmissionBacklash(Effect):
         "the gear of the joint has play: the link stands half the gap away from where the motor "
         "says"
     )
-    example: ClassVar[Mapping[str, Any]] = {"gap_rad": 0.004, "crossing_s": 0.06}
+    example: ClassVar[Mapping[str, Any]] = {
+        "gap_rad": 0.004,
+        "crossing_s": 0.04,
+        "flight_rad": 0.004,
+    }
     ambiguity: ClassVar[Ambiguity] = POSITION_ERROR
     prior: ClassVar[Prior] = Prior(discrepancy_share=0.5)
     search: ClassVar[Search] = Search(device="transmission", rattles=True)
@@ -46,7 +55,12 @@ class TransmissionBacklash(Effect):
     kind: Literal["transmission_backlash"] = "transmission_backlash"
     gap_rad: float = Field(ge=0, description="full lost motion [rad]")
     crossing_s: float = Field(
-        default=0.05, gt=0, description="time in which the link crosses the gap [s]"
+        default=0.05, gt=0, description="shortest time in which the link crosses the gap [s]"
+    )
+    flight_rad: float = Field(
+        default=0.0,
+        ge=0,
+        description="gap as the time of a free flight across it tells [rad]; 0: crossed at once",
     )
 
     def basis(self, s: Signals) -> ca.SX:
@@ -58,8 +72,12 @@ class TransmissionBacklash(Effect):
 
     def _acceleration(self, s: Signals) -> ca.SX:
         """d2 x / dt2 [1/s2]."""
-        w = math.pi / self.crossing_s
-        return w**2 * (ca.sign(s.load[self.index]) - s.state[0]) - 1.4 * w * s.state[1]
+        load = ca.fabs(s.load[self.index])
+        flight = s.mass_matrix[self.index, self.index] * self.flight_rad / 2
+        # no load: it stays where it is
+        squared = load / (load * (self.crossing_s / math.pi) ** 2 + flight + 1e-12)
+        pull = squared * (ca.sign(s.load[self.index]) - s.state[0])
+        return pull - 1.4 * ca.sqrt(squared) * s.state[1]
 
     def state_rate(self, s: Signals) -> ca.SX:
         return ca.vertcat(s.state[1], self._acceleration(s))
@@ -81,4 +99,8 @@ class TransmissionBacklash(Effect):
 
     @classmethod
     def grid(cls, joint: int | None) -> list[dict[str, float]]:
-        return [{"crossing_s": t} for t in (0.02, 0.04, 0.06, 0.08, 0.12, 0.16)]
+        return [
+            {"crossing_s": time, "flight_rad": float(gap)}
+            for time in (0.04, 0.08)
+            for gap in np.geomspace(1e-4, 9e-3, 5)
+        ]
