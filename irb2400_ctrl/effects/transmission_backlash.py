@@ -19,6 +19,10 @@ from irb2400_ctrl.effects.search import Search
 from irb2400_ctrl.effects.signals import Signals
 from irb2400_ctrl.effects.transmission import Transmission
 
+LONGEST_FLIGHT = 4.0
+"""times the gap that the flight across it may tell: one gap has one size. Of eleven arms with play
+0.2 to 2.3, of one with a liquid at the tool that passed for play 20"""
+
 
 class TransmissionBacklash(Effect):
     """The link stands half the gap behind its motor on the side the load pushes it to: link angle
@@ -87,6 +91,10 @@ class TransmissionBacklash(Effect):
 
     def transmission(self) -> Transmission:
         return Transmission(gap=self.gap_rad)
+
+    @property
+    def unlikely(self) -> bool:
+        return self.flight_rad > LONGEST_FLIGHT * self.gap_rad
 
     def coefficients(self) -> tuple[float, ...]:
         return (self.gap_rad,)

@@ -54,3 +54,10 @@ def test_no_crossing_is_quicker_than_the_shortest() -> None:
     hit = middle_of_the_law(0.001, 1e6, 3.0, flight=0.001)
     at_once = middle_of_the_law(0.001, 1e6, 3.0)
     assert at_once <= hit < 1.5 * at_once
+
+
+def test_a_flight_of_another_gap_is_no_play() -> None:
+    """A liquid at the tool passed for play of 0.6 mrad whose flight told of 12."""
+    for flight, far in ((0.0, False), (0.0018, False), (0.012, True)):
+        effect = TransmissionBacklash(joint=1, gap_rad=0.0006, flight_rad=flight)
+        assert effect.unlikely is far
