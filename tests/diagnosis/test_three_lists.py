@@ -14,6 +14,7 @@ from irb2400_ctrl.diagnosis import Curve, Finding, Number
 from irb2400_ctrl.diagnosis.findings import _gain
 from irb2400_ctrl.diagnosis.lists import FindingList, list_of
 from irb2400_ctrl.effects import LIBRARY
+from irb2400_ctrl.effects.base import OPEN_END_S
 from irb2400_ctrl.identification.reference_error import has_changed, simplest, worse_joints
 from irb2400_ctrl.report.elements.page import Page
 from irb2400_ctrl.report.pages.diagnosis_page import _add_findings
@@ -58,6 +59,20 @@ def test_one_kind_on_several_joints_is_one_finding() -> None:
     assert special[0].confidence == "83 %"
     lacks = findings_of(diagnosis(*ripples, rotor), "lacks")
     assert [(e.kind, e.where) for e in lacks] == [("rotor_inertia", "joint 2")]
+
+
+def test_sizes_come_in_the_order_of_the_joints_and_say_since_when() -> None:
+    """Two couplings of a wrist showed a coupled inertia that was nothing, the larger joint first,
+    and not that they began within the record."""
+    small, large = (finding("wrist_coupling", joint, 0.1 * joint) for joint in (4, 5))
+    effect = LIBRARY["wrist_coupling"].of(
+        5, inertia_kgm2=-0.04, dry_Nm=0.73, windows_s=((2.1, OPEN_END_S),)
+    )
+    errors = {"inertia_kgm2": 0.08, "viscous_Nms_rad": 0.3, "dry_Nm": 0.16}
+    found = diagnosis(replace(large, effect=effect, standard_errors=errors), small)
+    (entry,) = findings_of(found, "special")
+    assert entry.where == "joints 4 and 5"
+    assert entry.size == "inertia_kgm2 0.0500; dry_Nm 0.73 ± 0.16, acts from 2.10 s on"
 
 
 def test_what_a_reference_showed_stands_in_its_lists() -> None:

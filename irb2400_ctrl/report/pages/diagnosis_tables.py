@@ -66,13 +66,6 @@ def parameter_rows(finding: Finding) -> list[list[object]]:
             window(*v) if isinstance(v, list | tuple) else show(float(v)) for v in value
         )
 
-    def window(start: float, stop: float) -> str:
-        return (
-            f"{show(float(start))} to {show(float(stop))}"
-            if stop < OPEN_END_S
-            else f"{show(float(start))} on"
-        )
-
     def error(name: str, value: Any) -> str:
         if name not in finding.standard_errors:
             return ""
@@ -82,6 +75,17 @@ def parameter_rows(finding: Finding) -> list[list[object]]:
 
     told = finding.effect.parameters()
     return [[name, text(value), error(name, value)] for name, value in told.items()]
+
+
+def window(start: float, stop: float, unit: str = "") -> str:
+    """`2.1 to 7.4`, or `from 2.1 on` where it acted until the record ended.
+
+    Args:
+        start, stop: [s]; unit: written behind the last number.
+    """
+    if stop < OPEN_END_S:
+        return f"{show(float(start))} to {show(float(stop))}{unit}"
+    return f"from {show(float(start))}{unit} on"
 
 
 def recalibration_rows(recalibrated: Mapping[str, Any], given: Robot) -> list[list[object]]:

@@ -13,6 +13,7 @@ import numpy as np
 
 from irb2400_ctrl.diagnosis import Diagnosis, Finding, Number
 from irb2400_ctrl.report.elements.page import sentence, show, with_error
+from irb2400_ctrl.report.pages.diagnosis_tables import window
 
 LISTS = {
     "changed": (
@@ -40,6 +41,8 @@ WORDS = {
     **{f"I{k}": f"inertia I{k} [kg m2]" for k in ("xx", "yy", "zz", "xy", "xz", "yz")},
 }
 """names of numbers for a reader"""
+CLEAR = 3.0
+"""standard errors from which a number is something"""
 MOST_LINES = 8
 """of numbers of one list that a terminal shows"""
 
@@ -72,8 +75,8 @@ class Entry:
 
     @property
     def size(self) -> str:
-        """Of each joint: the number with its error."""
-        return "; ".join(_size(f) for f in self.findings)
+        """Of each joint, in the order of `where`: the number with its error."""
+        return "; ".join(map(_size, sorted(self.findings, key=lambda f: f.effect.joint or 0)))
 
     @property
     def share(self) -> str:
@@ -261,19 +264,29 @@ def number_rows(numbers: Iterable[Number]) -> tuple[Sequence[str], list[list[obj
 
 
 def _size(finding: Finding) -> str:
-    """The first number of an effect, of a direction its largest part, with its error, and what is
-    so of it (`of_angle`, `in_tool_frame`)."""
+    """The first number of an effect, of a direction its largest part, with its error; another one
+    where that is nothing and the other stands clear. Then what is so of it (`of_angle`,
+    `in_tool_frame`) and when it acts."""
     parameters = finding.effect.parameters()
     numbers = {k: v for k, v in parameters.items() if isinstance(v, float)}
     if not numbers:
         return ""
+    errors = finding.standard_errors
+    clear = {
+        k: abs(v) / max(error, 1e-12)
+        for k, v in numbers.items()
+        if isinstance(error := errors.get(k), float)
+    }
     first = next(iter(numbers))
+    if clear.get(first, CLEAR) < CLEAR:
+        first = max(clear, key=lambda k: clear[k])
     # force_x_N, force_y_N, force_z_N are parts of one
     parts = [k for k in numbers if _without_axis(k) == _without_axis(first)]
     name = max(parts, key=lambda k: abs(numbers[k]))
-    error = finding.standard_errors.get(name)
+    error = errors.get(name)
     told = with_error(numbers[name], error) if isinstance(error, float) else show(numbers[name])
-    return ", ".join([f"{name} {told}", *(k for k, v in parameters.items() if v is True)])
+    acts = [f"acts {window(*each, ' s')}" for each in finding.effect.windows_s]
+    return ", ".join([f"{name} {told}", *(k for k, v in parameters.items() if v is True), *acts])
 
 
 def _without_axis(name: str) -> str:
