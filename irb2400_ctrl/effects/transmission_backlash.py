@@ -64,7 +64,7 @@ class TransmissionBacklash(Effect):
     flight_rad: float = Field(
         default=0.0,
         ge=0,
-        description="gap as the time of a free flight across it tells [rad]; 0: crossed at once",
+        description="gap as the time of a free flight across it tells, 0: crossed at once [rad]",
     )
 
     def basis(self, s: Signals) -> ca.SX:
