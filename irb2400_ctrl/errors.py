@@ -11,6 +11,11 @@ class InputError(IrbError):
     """The user's input is wrong (command line: exit code 2)."""
 
 
+class FieldError(InputError, ValueError):
+    """A robot, an effect or an instrument does not have that field, or refuses its value; a
+    `ValueError` too, as pydantic's own is."""
+
+
 class UnreachableError(InputError):
     """A pose or path lies outside the workspace or the joint box."""
 

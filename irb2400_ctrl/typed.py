@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, Literal, TypeVar, Union, get_args, get_or
 
 import numpy as np
 
-from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.errors import FieldError, InputError
 
 if TYPE_CHECKING:
     from pydantic import BaseModel
@@ -94,7 +94,7 @@ def typed(made: Callee) -> Callee:
 
 
 def validated(table: type[Table], values: Mapping[str, Any]) -> Table:
-    """The table of these values; `InputError` where pydantic refuses one."""
+    """The table of these values; `FieldError` where pydantic refuses one."""
     from pydantic import ValidationError
 
     try:
@@ -103,16 +103,16 @@ def validated(table: type[Table], values: Mapping[str, Any]) -> Table:
         raise in_plain_words(table, error) from error
 
 
-def in_plain_words(table: type, error: Any) -> InputError:
+def in_plain_words(table: type, error: Any) -> FieldError:
     """What pydantic's `ValidationError` says of a table's fields, its first problem."""
     first = error.errors()[0]
     says = first["msg"].removeprefix("Value error, ")
     place = ".".join(map(str, first["loc"]))
     if not place:
-        return InputError(f"{table.__name__}: {says}")
+        return FieldError(f"{table.__name__}: {says}")
     found = f"no {place}" if first["type"] == "missing" else f"{place} = {first['input']!r:.60}"
     names = ", ".join(getattr(table, "model_fields", ()))
-    return InputError(f"{table.__name__}: found {found} ({says}); it has {names}")
+    return FieldError(f"{table.__name__}: found {found} ({says}); it has {names}")
 
 
 def _stated(made: Callable[..., Any], signature: inspect.Signature) -> dict[str, Any]:

@@ -184,3 +184,14 @@ def test_an_annotation_may_be_anything() -> None:
         InputError, match=r"^d: found a list of str, expected a sequence of a number"
     ):
         held(3, d=["x"])
+
+
+def test_a_field_that_is_refused_is_a_value_error_as_well() -> None:
+    """As pydantic's own refusal, which scripts catch."""
+    for refused in (
+        lambda: RIPPLE.of(4, amplitude=5.0),
+        lambda: ARM.model_copy(update={"toool": 1}),
+    ):
+        with pytest.raises(ValueError, match=r"^\w+: found ") as caught:
+            refused()
+        assert isinstance(caught.value, irb.errors.InputError)

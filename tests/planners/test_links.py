@@ -100,7 +100,7 @@ def test_a_move_that_cannot_stay_above_is_refused() -> None:
 
 def test_options_that_cannot_be() -> None:
     for wrong in ({"clearance": 0.0}, {"approach": -1e-3}, {"clearance": np.nan}):
-        with pytest.raises(errors.InputError, match="expected a positive length"):
+        with pytest.raises(errors.InputError, match=r"expected a (positive length|number)"):
             LinkOptions(**wrong)
     with pytest.raises(errors.InputError, match="expected 6 finite angles"):
         start_of(ROBOT, np.zeros(5))

@@ -258,11 +258,11 @@ def test_limits_of_a_plan_can_only_tighten_the_robots(name: str, axis: int) -> N
 
 def test_what_is_no_robot_or_no_path_is_said() -> None:
     circle = builders.circle((0.95, 0.0, 0.6), 0.1, feed=0.1)
-    with pytest.raises(InputError, match="robot: found a str; expected a Robot"):
+    with pytest.raises(InputError, match="robot: found 'irb2400', expected a Robot"):
         plan_path("irb2400", circle)  # type: ignore[arg-type]
-    with pytest.raises(InputError, match="path: found a str; expected a ToolPath"):
+    with pytest.raises(InputError, match=r"path: found 'part.apt', expected a ToolPath"):
         plan_path(load_robot("irb2400"), "part.apt")  # type: ignore[arg-type]
-    with pytest.raises(InputError, match="robot: found a str; expected a Robot"):
+    with pytest.raises(InputError, match="robot: found 'irb2400', expected a Robot"):
         Model("irb2400")  # type: ignore[arg-type]
 
 

@@ -38,5 +38,5 @@ def test_windows_are_shown_as_times() -> None:
     rows: Any = [
         parameter_rows(SimpleNamespace(effect=e, standard_errors={})) for e in (SINCE, EVENT)
     ]  # type: ignore[arg-type]
-    assert ["windows_s", "14.9 on", ""] in rows[0]
+    assert ["windows_s", "from 14.9 on", ""] in rows[0]
     assert ["windows_s", "1.00 to 2.00, 5.00 to 6.00", ""] in rows[1]

@@ -111,7 +111,7 @@ def _on_log(
     by_angles = _by_departure(robot, even, motion, part, grid)
     noise = None if motion.instrumented else torque_from_angle_noise(robot, log)
     by_angles = by_angles if noise is None else np.hypot(by_angles, noise)
-    finest = FINEST * np.sqrt(np.mean(log.tau**2, axis=0))
+    finest = FINEST * np.sqrt(np.mean(even.tau[inside] ** 2, axis=0))
     lasting = np.sqrt(digit(log.tau) ** 2 / 12.0 + unsure**2 + finest**2)
     floor = np.zeros(log.n)
     left = np.zeros(log.n)
