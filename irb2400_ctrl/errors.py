@@ -12,8 +12,8 @@ class InputError(IrbError):
 
 
 class FieldError(InputError, ValueError):
-    """A robot, an effect or an instrument does not have that field, or refuses its value; a
-    `ValueError` too, as pydantic's own is."""
+    """A robot or an effect does not have that field, or refuses its value; a `ValueError` too, as
+    pydantic's own is."""
 
 
 class UnreachableError(InputError):

@@ -100,19 +100,19 @@ def validated(table: type[Table], values: Mapping[str, Any]) -> Table:
     try:
         return table.model_validate(values)
     except ValidationError as error:
-        raise in_plain_words(table, error) from error
+        raise FieldError(str(in_plain_words(table, error))) from error
 
 
-def in_plain_words(table: type, error: Any) -> FieldError:
+def in_plain_words(table: type, error: Any) -> InputError:
     """What pydantic's `ValidationError` says of a table's fields, its first problem."""
     first = error.errors()[0]
     says = first["msg"].removeprefix("Value error, ")
     place = ".".join(map(str, first["loc"]))
     if not place:
-        return FieldError(f"{table.__name__}: {says}")
+        return InputError(f"{table.__name__}: {says}")
     found = f"no {place}" if first["type"] == "missing" else f"{place} = {first['input']!r:.60}"
     names = ", ".join(getattr(table, "model_fields", ()))
-    return FieldError(f"{table.__name__}: found {found} ({says}); it has {names}")
+    return InputError(f"{table.__name__}: found {found} ({says}); it has {names}")
 
 
 def _stated(made: Callable[..., Any], signature: inspect.Signature) -> dict[str, Any]:
