@@ -118,7 +118,8 @@ def in_plain_words(table: type, error: Any) -> InputError:
 def _stated(made: Callable[..., Any], signature: inspect.Signature) -> dict[str, Any]:
     """The annotation of each argument, resolved; without those that stand for any number of them"""
     hints = get_type_hints(made, localns=_ARRAYS)
-    single = [p.name for p in signature.parameters.values() if p.kind not in (2, 4)]
+    several = (inspect.Parameter.VAR_POSITIONAL, inspect.Parameter.VAR_KEYWORD)
+    single = [p.name for p in signature.parameters.values() if p.kind not in several]
     return {name: hints[name] for name in single if name in hints}
 
 

@@ -187,7 +187,7 @@ class Effect(BaseModel, ABC):
 
     @classmethod
     def of(cls, joint: int | None, **fields: Any) -> Self:
-        """The validated effect of these fields; InputError: one is unknown, missing or wrong."""
+        """The validated effect of these fields; FieldError: one is unknown, missing or wrong."""
         return validated(cls, {"joint": joint, **fields})
 
     @classmethod

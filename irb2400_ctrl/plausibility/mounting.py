@@ -97,8 +97,11 @@ def _direction(nominal: Nominal, rows: Rows) -> Array | None:
     friction and an offset of each joint; a unit vector in the base, shape (3,)."""
     robot = nominal.robot
     n = robot.n
-    units = [Model(turned(robot, unit)) for unit in np.eye(3)]
-    W = np.stack([np.asarray(model.gravity(rows.q)) for model in units], axis=-1)
+    # springs of the file pull without gravity, too
+    at_rest = [
+        np.asarray(Model(turned(robot, g)).gravity(rows.q)) for g in (*np.eye(3), np.zeros(3))
+    ]
+    W = np.stack(at_rest[:3], axis=-1) - at_rest[3][..., None]
     motion = nominal.columns(rows)[0] - W @ robot.gravity
     friction = robot.friction
     known = motion + friction[:, 1] * rows.turn + friction[:, 2] * rows.qd

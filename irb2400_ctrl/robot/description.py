@@ -333,7 +333,7 @@ class Robot(Table):
         carried along.
 
         Raises:
-            InputError: a field that it does not have, or a value that makes no robot.
+            FieldError: a field that it does not have, or a value that makes no robot.
         """
         fields = {name: getattr(self, name) for name in type(self).model_fields}
         return validated(type(self), {**fields, **(update or {})})

@@ -13,7 +13,6 @@ from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.diagnosis.estimation.evidence import Score
 from irb2400_ctrl.diagnosis.regressors.bases import RegressorColumns
 from irb2400_ctrl.effects import LIBRARY, Effect
-from irb2400_ctrl.errors import InputError
 
 EVERY_JOINT = "of every joint"
 """in the name of effects of one kind, one on each joint, with a size each"""
@@ -139,6 +138,6 @@ def plausible(
     """
     try:
         effect = LIBRARY[kind].from_coefficients(joint, [float(c) for c in coefficients], nonlinear)
-    except (InputError, ValueError, ZeroDivisionError):
+    except (ValueError, ZeroDivisionError):
         return None
     return None if effect.unlikely else effect

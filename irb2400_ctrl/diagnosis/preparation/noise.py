@@ -22,6 +22,8 @@ MOST_COLOUR = 4.0
 FINEST = 1e-4
 """share of a joint's rms torque that is called noise at least: a log that was made of the model has
 none, and is right to what derivatives of its angles are worth"""
+LEAST = 1e-9
+"""[Nm] where there is no torque"""
 SLOW = 0.3
 """[s] over which what a model of an arm leaves of a motion stays what it is"""
 _TURNS = np.exp(-1j * np.outer(np.arange(1, ORDER + 1), 2.0 * np.pi * np.arange(256) / 256))
@@ -58,6 +60,11 @@ class Noise:
         return out.reshape(-1, *columns.shape[1:])
 
 
+def finest(tau: Array) -> Array:
+    """What is called noise of torques tau (m, n) at least, shape (n,) [Nm]."""
+    return np.asarray(FINEST * np.sqrt(np.mean(tau**2, axis=0)) + LEAST)
+
+
 def without(noise: Noise, rows: Mask) -> Noise:
     """The same noise where some rows do not count."""
     stay = ~rows[noise.kept]
@@ -80,7 +87,7 @@ class NoiseModel:
     reversal: Mask
     wander: Array
     step: float
-    least: Array | float = 1e-9
+    least: Array | float = LEAST
 
     @classmethod
     def of(cls, motion: PreparedLog, reversal: Mask, wander: Array) -> NoiseModel:
@@ -90,8 +97,7 @@ class NoiseModel:
             motion: prepared; reversal, wander: as of the class.
         """
         step = float(np.median(np.diff(motion.row_time)))
-        least = FINEST * np.sqrt(np.mean(motion.tau**2, axis=0)) + 1e-9
-        return cls(motion.row_known, reversal, wander, step, least)
+        return cls(motion.row_known, reversal, wander, step, finest(motion.tau))
 
     def white(self, residual: Array) -> tuple[Noise, ...]:
         """White noise of the level that row-to-row differences show (robust against slow misfit),

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from irb2400_ctrl.diagnosis import Diagnosis, Finding, Number
+from irb2400_ctrl.diagnosis.comparison.acceptance import STANDARD_ERRORS
 from irb2400_ctrl.report.elements.page import sentence, show, with_error
 from irb2400_ctrl.report.pages.diagnosis_tables import window
 
@@ -41,8 +42,6 @@ WORDS = {
     **{f"I{k}": f"inertia I{k} [kg m2]" for k in ("xx", "yy", "zz", "xy", "xz", "yz")},
 }
 """names of numbers for a reader"""
-CLEAR = 3.0
-"""standard errors from which a number is something"""
 MOST_LINES = 8
 """of numbers of one list that a terminal shows"""
 
@@ -278,7 +277,7 @@ def _size(finding: Finding) -> str:
         if isinstance(error := errors.get(k), float)
     }
     first = next(iter(numbers))
-    if clear.get(first, CLEAR) < CLEAR:
+    if clear.get(first, np.inf) < STANDARD_ERRORS:
         first = max(clear, key=lambda k: clear[k])
     # force_x_N, force_y_N, force_z_N are parts of one
     parts = [k for k in numbers if _without_axis(k) == _without_axis(first)]

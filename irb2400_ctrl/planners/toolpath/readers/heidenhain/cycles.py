@@ -41,6 +41,8 @@ NOT_CARRIED_OUT = {
     241: "at one feed from the clearance on; speed and coolant stay",
 }
 """what the robot does otherwise than the control"""
+ASKED_BY = {203: 213}
+"""the Q that asks for it, where not every call of the cycle does"""
 _Q = re.compile(r"Q(\d+)\s*=\s*(\+?-?\s*(?:\d+\.?\d*|\.\d+)|[-+]?[A-Z]+[\d.]*)")
 
 
@@ -109,7 +111,9 @@ class PlainCycles:
                 f"{place}: {defined.name} is not read; expected one of the cycles {known}, or let "
                 "the CAM system write its moves"
             )
-        if defined.number in NOT_CARRIED_OUT and (defined.number != 203 or defined.values.get(213)):
+        asked_by = ASKED_BY.get(defined.number)
+        asked = asked_by is None or defined.values.get(asked_by)
+        if defined.number in NOT_CARRIED_OUT and asked:
             builder.note("assumed", f"CYCL DEF {defined.number}: {NOT_CARRIED_OUT[defined.number]}")
         cycle = self._cycle(defined, place)
         x, y, _ = state.at
