@@ -105,6 +105,12 @@ WRONG: dict[str, tuple[Callable[[], object], str]] = {
         lambda: irb.simulate(ARM, MOTION, "pid", sensors={"rate_Hz": 1}),
         r"^sensors: found a dict, expected Sensors\(encoder_step_rad, ",
     ),
+    "no number": (
+        lambda: irb.controllers.guarded(
+            irb.controllers.controller("pid", ARM), ARM, start_time=np.nan
+        ),
+        "^start_time: found nan, expected a number",
+    ),
     "half a step": (lambda: irb.simulate(ARM, MOTION, "pid", seed=0.5), "^seed: found 0.5"),
     "a list of gains": (
         lambda: irb.simulate(ARM, MOTION, "pid", gains=[1]),

@@ -90,7 +90,6 @@ def judged(
             lambda *_: None if noise is None else np.array(noise),
         )
         patch.setattr(module, "digit", lambda tau: np.array(digit))
-        patch.setattr(module, "finest", lambda tau: np.zeros(2))
         part = moved.parts[0]
         return module._on_log(ROBOT, given, moved, part, predicted(), np.array(unsure))
 

@@ -60,11 +60,6 @@ class Noise:
         return out.reshape(-1, *columns.shape[1:])
 
 
-def finest(tau: Array) -> Array:
-    """What is called noise of torques tau (m, n) at least, shape (n,) [Nm]."""
-    return np.asarray(FINEST * np.sqrt(np.mean(tau**2, axis=0)) + LEAST)
-
-
 def without(noise: Noise, rows: Mask) -> Noise:
     """The same noise where some rows do not count."""
     stay = ~rows[noise.kept]
@@ -97,7 +92,8 @@ class NoiseModel:
             motion: prepared; reversal, wander: as of the class.
         """
         step = float(np.median(np.diff(motion.row_time)))
-        return cls(motion.row_known, reversal, wander, step, finest(motion.tau))
+        least = FINEST * np.sqrt(np.mean(motion.tau**2, axis=0)) + LEAST
+        return cls(motion.row_known, reversal, wander, step, least)
 
     def white(self, residual: Array) -> tuple[Noise, ...]:
         """White noise of the level that row-to-row differences show (robust against slow misfit),

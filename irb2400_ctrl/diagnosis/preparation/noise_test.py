@@ -11,7 +11,6 @@ from scipy.interpolate import CubicSpline
 from scipy.stats import norm
 
 from irb2400_ctrl.arrays import Array, Mask
-from irb2400_ctrl.diagnosis.preparation.noise import finest
 from irb2400_ctrl.measurement.log import Log
 from irb2400_ctrl.measurement.log_facts import digit
 from irb2400_ctrl.measurement.prepared_log import PreparedLog
@@ -41,7 +40,7 @@ class NoiseTest:
     Args:
         floor: rms of the noise by sample-to-sample differences, by the digits of the torque, by the
             numbers that the log leaves open, and by what is not known of the motion: the noise of
-            the angles, their departure from the motion that was used; `noise.FINEST` at least [Nm].
+            the angles, their departure from the motion that was used [Nm].
         left: rms of what is left [Nm]; means: of its means, over what white noise would give beside
             digits and open numbers, whose errors last.
         bar, means_bar: above which it is no noise.
@@ -111,7 +110,7 @@ def _on_log(
     by_angles = _by_departure(robot, even, motion, part, grid)
     noise = None if motion.instrumented else torque_from_angle_noise(robot, log)
     by_angles = by_angles if noise is None else np.hypot(by_angles, noise)
-    lasting = np.sqrt(digit(log.tau) ** 2 / 12.0 + unsure**2 + finest(even.tau[inside]) ** 2)
+    lasting = np.hypot(digit(log.tau) / np.sqrt(12.0), unsure)
     floor = np.zeros(log.n)
     left = np.zeros(log.n)
     means = np.zeros(log.n)

@@ -38,6 +38,8 @@ def test_the_next_tool_does_not_come_at_the_height_of_the_last(tmp_path: Path) -
     [
         # the height of the tool before is that of the first cut: there is no other
         ("G0 X20 Y0\nG1 X30\n", [[20, 0, -5], [30, 0, -5]]),
+        # a cut states it, no rapid move: it is cut from there
+        ("G0 X20 Y0\nG1 Z-7 F100\nX30\n", [[20, 0, -5], [20, 0, -7], [30, 0, -7]]),
         ("G0 Z9\nX20\nG1 Z-2\n", [[5, 0, 9], [20, 0, 9], [20, 0, -2]]),
         ("G0 X20 Y0 Z9\nX30\nG1 Z-2\n", [[20, 0, 9], [30, 0, 9], [30, 0, -2]]),
     ],
