@@ -118,7 +118,7 @@ def _named(path: Path, head: list[str], dialect: Dialect) -> tuple[list[str], li
         header = grouped
         start = _behind(head, start)
         row = _first_row(path, head, dialect, start)
-    if is_unit(row[0]) and not any(is_number(cell, dialect) for cell in row):
+    if any(map(is_unit, row)) and not any(is_number(cell, dialect) for cell in row):
         units = [f" [{cell.strip('[]()')}]" if cell else "" for cell in row]
         units += [""] * (len(header) - len(row))
         header = [name + unit for name, unit in zip(header, units, strict=False)]

@@ -8,7 +8,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from irb2400_ctrl.arrays import Array
-from irb2400_ctrl.measurement.columns.two_part_time import SECOND
 
 
 @dataclass(frozen=True)
@@ -16,14 +15,16 @@ class Clock:
     """Where the rows of a table hold their time.
 
     Args:
-        columns: one; or two, whole seconds and nanoseconds beyond them.
+        columns: one; or two, whole seconds and what is beyond them.
         scale: seconds a count; where rows are counted, a row.
         counted: the file has no time: rows are counted, and the column only tells how many.
+        beyond: counts a second of the second column.
     """
 
     columns: tuple[str, ...]
     scale: float = 1.0
     counted: bool = False
+    beyond: int = 10**9
 
     def seconds(self, columns: Mapping[str, Array], before: int, whole: float) -> Array:
         """Times of some rows [s], (m,).
@@ -39,4 +40,4 @@ class Clock:
             return np.asarray((before + np.arange(len(first))) * self.scale)
         if len(self.columns) == 1:
             return np.asarray(self.scale * first)
-        return np.asarray((first - whole) + columns[self.columns[1]] / SECOND)
+        return np.asarray((first - whole) + columns[self.columns[1]] / self.beyond)

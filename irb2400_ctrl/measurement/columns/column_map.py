@@ -36,6 +36,7 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
 from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.measurement.columns.two_part_time import COUNTED, TimePair
 from irb2400_ctrl.reading import bounded_text, toml_tables
 from irb2400_ctrl.typed import typed
 
@@ -60,6 +61,8 @@ class TimeColumn(_Strict):
     unit: Literal["s", "ms", "us", "ns"] = "s"
     nanoseconds: str | None = None
     """a second column, beyond the whole seconds of the first"""
+    microseconds: str | None = None
+    milliseconds: str | None = None
     rate_Hz: Annotated[float, Field(gt=0.0, allow_inf_nan=False)] | None = None
     """of a file without a time"""
 
@@ -67,9 +70,21 @@ class TimeColumn(_Strict):
     def _in_seconds(self) -> Self:
         if (self.column is None) == (self.rate_Hz is None):
             raise ValueError("expected either column or rate_Hz")
-        if self.nanoseconds is not None and self.unit != "s":
-            raise ValueError(f"nanoseconds beyond a column in {self.unit}, expected unit = 's'")
+        beyond = [word for word in COUNTED.values() if getattr(self, word) is not None]
+        if beyond and self.unit != "s":
+            raise ValueError(f"{beyond[0]} beyond a column in {self.unit}, expected unit = 's'")
+        if len(beyond) > 1 or (beyond and self.column is None):
+            raise ValueError(f"{' and '.join(beyond)}, expected one beyond a column of seconds")
         return self
+
+    @property
+    def pair(self) -> TimePair | None:
+        """The columns of a time in two parts; None where it is in one."""
+        for counts, word in COUNTED.items():
+            beyond = getattr(self, word)
+            if self.column is not None and beyond is not None:
+                return TimePair(self.column, beyond, counts)
+        return None
 
 
 Number = Annotated[float, Field(allow_inf_nan=False)]
@@ -195,7 +210,7 @@ class ColumnMap(_Strict):
     def named(self, names: Collection[str]) -> set[str]:
         """The columns that count, of a file with these, the time among them."""
         time = TimeColumn(column="time_s") if self.time is None else self.time
-        stamps = {time.column, time.nanoseconds}
+        stamps = {time.column} if time.pair is None else {time.pair.seconds, time.pair.beyond}
         return {column.file for column in self.of(names)} | {
             name for name in stamps if name is not None
         }

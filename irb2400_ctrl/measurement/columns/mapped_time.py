@@ -30,12 +30,12 @@ def with_time(table: Table, given: ColumnMap) -> Table:
         count = next((len(table.columns[name]) for name in named if name in table.columns), 0)
         rows = np.arange(count) if table.rows is None else table.rows
         return replace(table, columns={**table.columns, "time_s": rows / time.rate_Hz})
-    if time.column is None or time.nanoseconds is None:
+    pair = time.pair
+    if pair is None:
         return table
-    pair = (time.column, time.nanoseconds)
-    if all(name in table.columns for name in pair):
-        return joined(table, *pair, into=pair[0])
+    if pair.seconds in table.columns and pair.beyond in table.columns:
+        return joined(table, pair, into=pair.seconds)
     raise InputError(
-        f"{table.path}: no columns {pair[0]!r} and {pair[1]!r} that the column map names as the "
-        f"time; found {table.some}"
+        f"{table.path}: no columns {pair.seconds!r} and {pair.beyond!r} that the column map names "
+        f"as the time; found {table.some}"
     )

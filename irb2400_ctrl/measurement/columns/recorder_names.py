@@ -57,8 +57,9 @@ _TIMES = {"%time": 1e-9, "time_ns": 1e-9, "time_us": 1e-6, "time_ms": 1e-3, "tim
 _BARE_TIMES = ("timestamp", "__time", "time", "Time", "duration")
 SLOWEST = 0.1
 """between two samples [s]"""
-_SINCE_1970 = ((1e17, 1e-9), (1e14, 1e-6), (1e11, 1e-3))
-"""(a number above it, seconds a count): seconds reach 1e11 in the year 5138"""
+_SINCE_1970 = ((1e18, 1e-9), (1e17, 1e-7), (1e14, 1e-6), (1e11, 1e-3))
+"""(a number above it, seconds a count): seconds reach 1e11 in the year 5138, nanoseconds passed
+1e18 in 2001; between are ticks of Windows, 100 ns since 1601 or since the year 1"""
 
 
 def recorder_columns(table: Table, joints: Sequence[str] | None) -> Named | None:

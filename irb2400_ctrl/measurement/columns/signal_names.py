@@ -27,7 +27,12 @@ UNITS = {
     "knm": ("tau", 1e3),
 }
 """unit -> (signal, SI per number)"""
-TIMES = {"s": 1.0, "sec": 1.0, "seconds": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6, "ns": 1e-9}
+TIMES = {
+    **{"s": 1.0, "sec": 1.0, "secs": 1.0, "second": 1.0, "seconds": 1.0, "sek": 1.0},
+    **{"ms": 1e-3, "msec": 1e-3, "millisec": 1e-3, "milliseconds": 1e-3},
+    **{"us": 1e-6, "µs": 1e-6, "μs": 1e-6, "usec": 1e-6, "microseconds": 1e-6},
+    **{"ns": 1e-9, "nsec": 1e-9, "nanosec": 1e-9, "nanoseconds": 1e-9},
+}
 TIME_WORDS = {
     "time",
     "t",
@@ -53,11 +58,11 @@ _SPELLED = {
 }
 _NAME = re.compile(r"(?P<words>.*?)\s*[\[(\uff08](?P<unit>[^\])\uff09]*)[\])\uff09]\s*")
 _ENDS = re.compile(
-    r"(?P<words>.*?)[ _](?P<unit>(?:deg|rad)(?:ps|[_/]s|_per_s)?|k?nm|sec|seconds|[mun]?s)", re.I
+    r"(?P<words>.*?)[ _](?P<unit>(?:deg|rad)(?:ps|[_/]s|_per_s)?|k?nm|seconds|[mun]?s(?:ec)?)", re.I
 )
 _NUMBER = r")[ _]?([1-9]\d?)(?!\d)"
 _JOINT = re.compile(
-    r"(?<![a-z])(?:j|jt|a|joint|actuator|axis|achse|gelenk|关节|軸|轴" + _NUMBER,
+    r"(?<![a-z])(?:j|jt|jnt|a|joint|actuator|axis|achse|gelenk|关节|軸|轴" + _NUMBER,
 )
 LETTERS = {
     **{"q": "q", "theta": "q", "θ": "q", "qd": "qd", "dq": "qd", "omega": "qd", "ω": "qd"},
@@ -169,7 +174,7 @@ def _joint(words: str) -> re.Match[str] | None:
 
 
 def _unit(text: str) -> str:
-    found = re.sub(r"[\s·*.]", "", text)
+    found = re.sub(r"[\s·⋅*.-]", "", text)
     for spelled, short in _SPELLED.items():
         found = found.replace(spelled, short)
     return re.sub(r"(?<=deg|rad)(?:/sec|_s|ps|_per_s)$", "/s", found)

@@ -14,7 +14,7 @@ import numpy as np
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.measurement.columns.recorder_names import unit_by_step
-from irb2400_ctrl.measurement.columns.two_part_time import time_pair
+from irb2400_ctrl.measurement.columns.two_part_time import COUNTED, time_pair
 
 OTHERS = re.compile(
     r"acc|qdd|ddq|ddot|err|ext|grav|limit|temp(?!s)|volt|tcp|cart|wrench|jerk|collision|inertia|dist"
@@ -178,7 +178,12 @@ def _time(columns: Mapping[str, Array], rows: int) -> list[str]:
     """The table of the time, where a column is called so."""
     pair = time_pair(columns)
     if pair is not None:
-        return ["[time]", f'column = "{pair[0]}"', f'nanoseconds = "{pair[1]}"', ""]
+        return [
+            "[time]",
+            f'column = "{pair.seconds}"',
+            f'{COUNTED[pair.counts]} = "{pair.beyond}"',
+            "",
+        ]
     for name, values in columns.items():
         if len(values) == rows and TIME.fullmatch(name.lower()):
             scale = unit_by_step(values)

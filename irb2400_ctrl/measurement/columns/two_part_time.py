@@ -1,10 +1,12 @@
-"""A time in two columns: whole seconds, and nanoseconds beyond them, as stamps of ROS."""
+"""A time in two columns: whole seconds, and what is beyond them in nanoseconds (stamps of ROS),
+microseconds (EGM, `timeval`) or milliseconds."""
 
 from __future__ import annotations
 
 import re
 from collections.abc import Iterable
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -12,8 +14,22 @@ from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.measurement.table import Table
 
 _SECONDS = re.compile(r"(?P<of>.*?)(?P<word>secs?|seconds)", re.IGNORECASE)
-_BEYOND = ("nanosec", "nsec", "nsecs", "nanosecs", "nanoseconds")
-SECOND = 10**9
+_BEYOND = {
+    10**9: ("nanosec", "nsec", "nsecs", "nanosecs", "nanoseconds"),
+    10**6: ("microsec", "usec", "usecs", "microsecs", "microseconds"),
+    10**3: ("millisec", "msec", "msecs", "millisecs", "milliseconds"),
+}
+"""counts a second -> words for them"""
+COUNTED = {10**9: "nanoseconds", 10**6: "microseconds", 10**3: "milliseconds"}
+
+
+class TimePair(NamedTuple):
+    """The columns of a time in two parts: of whole seconds, of what is beyond them, and how many
+    counts of that a second has."""
+
+    seconds: str
+    beyond: str
+    counts: int = 10**9
 
 
 def joined_time(table: Table) -> Table:
@@ -23,46 +39,53 @@ def joined_time(table: Table) -> Table:
         table: as it was read; without such a pair, or with several, it is returned as it is.
     """
     pair = time_pair(table.columns)
-    return table if pair is None else joined(table, *pair, "time_s")
+    return table if pair is None else joined(table, pair, "time_s")
 
 
-def time_pair(names: Iterable[str]) -> tuple[str, str] | None:
-    """The columns of whole seconds and of nanoseconds beyond them, where one pair is there."""
+def time_pair(names: Iterable[str]) -> TimePair | None:
+    """The columns of whole seconds and of what is beyond them, where one pair is there."""
     by_name = {name.lower(): name for name in names}
     pairs = []
     for name in by_name.values():
         found = _SECONDS.fullmatch(name)
         if found is not None:
-            beyond = [f"{found['of']}{word}".lower() for word in _BEYOND]
-            pairs += [(name, by_name[other]) for other in beyond if other in by_name]
+            beyond = {
+                f"{found['of']}{word}".lower(): counts
+                for counts, words in _BEYOND.items()
+                for word in words
+            }
+            pairs += [
+                TimePair(name, by_name[other], counts)
+                for other, counts in beyond.items()
+                if other in by_name
+            ]
     # the stamp of the message's header, where other stamps stand beside it
-    stamps = [pair for pair in pairs if "stamp" in pair[0].lower()]
+    stamps = [pair for pair in pairs if "stamp" in pair.seconds.lower()]
     chosen = stamps if len(stamps) == 1 else pairs
     return chosen[0] if len(chosen) == 1 else None
 
 
-def joined(table: Table, seconds: str, nanoseconds: str, into: str) -> Table:
+def joined(table: Table, pair: TimePair, into: str) -> Table:
     """The table with these two columns as one.
 
     Args:
         table: as read.
-        seconds: name of that column [s].
-        nanoseconds: name of that column [ns].
+        pair: the columns.
         into: name of the new column [s].
 
     Raises:
-        InputError: nanoseconds below zero or of a second and more.
+        InputError: what is beyond the seconds is below zero, or a second and more.
     """
-    whole = table.columns[seconds]
-    beyond = table.columns[nanoseconds]
-    wrong = np.flatnonzero((beyond < 0) | (beyond >= SECOND))
+    whole = table.columns[pair.seconds]
+    beyond = table.columns[pair.beyond]
+    wrong = np.flatnonzero((beyond < 0) | (beyond >= pair.counts))
     if len(wrong):
         raise InputError(
-            f"{table.path}: {nanoseconds} is {beyond[wrong[0]]:.10g} in {table.place(wrong[0])}, "
-            f"expected nanoseconds beyond {seconds}, 0 to 999,999,999"
+            f"{table.path}: {pair.beyond} is {beyond[wrong[0]]:.10g} in {table.place(wrong[0])}, "
+            f"expected {COUNTED[pair.counts]} beyond {pair.seconds}, 0 to {pair.counts - 1:,}"
         )
     # whole seconds first: counted from 1970, both in one number would lose the last digits
     start = whole[np.isfinite(whole)][:1]
-    time = (whole - start if len(start) else whole) + beyond / SECOND
-    others = {k: v for k, v in table.columns.items() if k not in {seconds, nanoseconds}}
+    time = (whole - start if len(start) else whole) + beyond / pair.counts
+    others = {k: v for k, v in table.columns.items() if k not in {pair.seconds, pair.beyond}}
     return replace(table, columns={into: time, **others})

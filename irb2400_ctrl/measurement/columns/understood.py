@@ -118,12 +118,12 @@ def clock_of(
     time = None if given is None else given.time
     if time is not None and time.rate_Hz is not None:
         return Clock((next(iter(table.columns)),), 1.0 / time.rate_Hz, counted=True)
-    pair = None
-    if time is not None and time.column is not None and time.nanoseconds is not None:
-        pair = (time.column, time.nanoseconds)
-    elif known.time[0] not in table.columns:
+    pair = None if time is None else time.pair
+    if pair is None and known.time[0] not in table.columns:
         pair = time_pair(table.columns)
-    return Clock((known.time[0],), known.time[1]) if pair is None else Clock(pair)
+    if pair is None:
+        return Clock((known.time[0],), known.time[1])
+    return Clock((pair.seconds, pair.beyond), beyond=pair.counts)
 
 
 def _joints(table: Table, found: Found, expected: int | None) -> int:
