@@ -52,7 +52,8 @@ def all_finite(table: Table, used: set[str]) -> None:
         row, _, name = min(
             (int(bad[name][0]), k, name) for k, name in enumerate(names) if len(bad[name])
         )
-        word = table.words.get(name, "") if row == 0 else ""
+        first = row == 0 and (table.rows is None or table.rows[0] == 0)
+        word = table.words.get(name, "") if first else ""
         raise InputError(
             f"{table.path}: {count} cells are not finite numbers, the first is {name} in "
             f"{table.place(row)}"

@@ -5,7 +5,6 @@ line of units below it, times of day, gzip."""
 from __future__ import annotations
 
 import contextlib
-import re
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
 from functools import partial
@@ -14,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from irb2400_ctrl.errors import InputError
-from irb2400_ctrl.measurement.columns.signal_names import is_unit
+from irb2400_ctrl.measurement.columns.signal_names import TIME_WORDS, is_unit
 from irb2400_ctrl.measurement.stretch import Cut, Inside, Rows
 from irb2400_ctrl.measurement.table import (
     Table,
@@ -47,7 +46,6 @@ from irb2400_ctrl.reading import text_blocks
 MOST_CELLS = 19_500_000
 """of one log: 1,500,000 rows of time, six angles and six torques, 100 minutes at 250 Hz; what is
 computed from as much fits into 1 GB"""
-_WIDE = re.compile(r"\s{2,}")
 
 
 def read_csv_table(
@@ -84,8 +82,10 @@ def read_csv_table(
     header, row, start, headless = _named(path, head, dialect)
     header = distinct(header)
     clocks = {k for k, cell in enumerate(row) if seconds_of_day(cell) is not None}
-    if len(clocks) == 1 and "time_s" not in header:
-        header[min(clocks)] = "time_s"
+    called = {k for k in clocks if header[k].lower() in TIME_WORDS}
+    times = called if len(called) == 1 else clocks
+    if len(times) == 1 and "time_s" not in header:
+        header[min(times)] = "time_s"
     joints = {k: row[k] for k, name in enumerate(header[: len(row)]) if names_joint(name, row[k])}
     body = Body(path, dialect, start, frozenset(clocks), joints, text)
     names, widths = spread(header, row)
@@ -143,11 +143,8 @@ def _header(path: Path, lines: list[str], dialect: Dialect) -> list[str]:
     line = lines[dialect.skip].strip()
     for mark in COMMENTS:
         line = line.removeprefix(mark)
-    header = dialect.cells(line)
     row = next((text for text in lines[dialect.skip + 1 :] if text.strip(EMPTY)), "")
-    wide = _WIDE.split(line.strip())
-    if dialect.separator == " " and len(wide) == len(dialect.cells(row)) < len(header):
-        header = wide  # names with blanks in them, above columns of one width
+    header = dialect.names(line, row)
     while header and not header[-1]:
         header.pop()  # a separator at the end of every line
     if len(header) < 2:

@@ -85,3 +85,47 @@ def test_units_below_a_header_whose_first_column_has_none(first: str, tmp_path: 
     names[2:] = [*(f"jnt{j}(deg)" for j in J), *(f"torque{j}(N.m)" for j in J)]
     names[1] = "Time (msec)"
     same(read_log(written(tmp_path / "b.csv", f"{','.join(names)}\n{rows}")), LOG, 1e-6)
+
+
+WRITTEN = {
+    "half a day": [f"{1 + k // 3600000:02d}:{k // 60000:02d}:{k / 1000:06.3f} PM" for k in MS],
+    "minutes and seconds": [f"{k // 60000:02d}:{k / 1000:06.3f}" for k in MS],
+    "durations": [f"{k / 1000:g} sec" for k in MS],
+}
+
+
+@pytest.mark.parametrize("name", WRITTEN)
+def test_a_time_in_words_is_read(name: str, tmp_path: Path) -> None:
+    """Spreadsheets in English write PM, or no hours; MATLAB's timetables `0.004 sec`."""
+    begun = ["2024-05-04 12:00:00.000"] * len(MS)
+    columns = [begun, WRITTEN[name], *Q, *TAU]
+    log = read_log(written(tmp_path / "a.csv", table(["Begun", "Time", *SIGNALS], columns)))
+    np.testing.assert_allclose(log.time - log.time[0], LOG.time, atol=1e-9)
+    assert log.time[0] == (46800.0 if "PM" in WRITTEN[name][0] else 0.0)
+
+
+def test_decimal_commas_after_a_rest_and_in_quotes(tmp_path: Path) -> None:
+    """An arm at rest writes `0;0` first; between commas the numbers stand in quotes."""
+    q, tau = np.degrees(LOG.q), LOG.tau
+    cells = [[f"{v:.9g}".replace(".", ",") for v in column] for column in (*q.T, *tau.T)]
+    rest = [["0"] * 40 + column[40:] for column in cells]
+    times = [f"{k}" for k in MS]
+    text = table(["Time [ms]", *SIGNALS], [times, *rest], ";")
+    log = read_log(written(tmp_path / "a.csv", text))
+    np.testing.assert_allclose(log.q[40:], LOG.q[40:], atol=1e-8)
+    assert len(log.time) == len(LOG.time)
+    quoted = [[f'"{cell}"' for cell in column] for column in cells]
+    text = table(["Time [ms]", *SIGNALS], [times, *quoted])
+    same(read_log(written(tmp_path / "b.csv", text)), LOG, 1e-6)
+    thousands = [[f'"{1000 * v:,.3f}"' for v in column] for column in tau.T]
+    text = table(["Time [ms]", *SIGNALS], [times, *Q, *thousands])
+    with pytest.raises(InputError, match=r"in line 2, where '[\d,.]+' stands"):
+        read_log(written(tmp_path / "c.csv", text))
+
+
+def test_names_with_blanks_below_a_title_and_behind_a_group(tmp_path: Path) -> None:
+    count = [f"{k}" for k in range(len(MS))]
+    names = ["Tick", "Time (ms)", *(f"G1 {name}" for name in SIGNALS)]
+    columns = [count, [f"{k}" for k in MS], *Q, *TAU]
+    text = "DATA MONITOR\nSMPL0001.DT\n" + table(names, columns, "  ")
+    same(read_log(written(tmp_path / "a.dt", text)), LOG, 1e-6)

@@ -205,8 +205,8 @@ def test_parquet_with_instants_and_lists(tmp_path: Path) -> None:
 
 def test_an_instant_in_words_is_shown(tmp_path: Path) -> None:
     path = tmp_path / "log.csv"
-    path.write_text("time_s,q1_rad,tau1_Nm\n1.5 s,0,1\n1.6 s,0,1\n")
-    with pytest.raises(InputError, match=r"where '1.5 s' stands; expected .* in seconds"):
+    path.write_text("time_s,q1_rad,tau1_Nm\n1.5 h,0,1\n1.6 h,0,1\n")
+    with pytest.raises(InputError, match=r"where '1.5 h' stands; expected .* in seconds"):
         read_log(path)
 
 

@@ -97,13 +97,14 @@ def time_scale(name: str) -> float | None:
 
 
 def without_source(names: Iterable[str]) -> dict[str, str]:
-    """Every name, and the same without what stands before all but the times: a controller, a unit.
+    """Every name, and the same without what stands before all that tell a joint: a controller, a
+    unit.
 
     Only what holds a digit, stands before the joint and ends in a blank or a stroke is left out: a
     word such as `Soll` before all names says what the columns are.
     """
     given = list(names)
-    signals = [name for name in given if time_scale(name) is None]
+    signals = [name for name in given if _JOINT.search(name.lower()) is not None]
     # what the first and the last in order share, all between them share
     first, last = (min(signals), max(signals)) if len(signals) > 1 else ("", "")
     same = [a == b for a, b in zip(first, last, strict=False)]

@@ -1,4 +1,5 @@
-"""Times as clocks and calendars write them: `2024-05-04 12:00:00.008`, `12:00:00,008`."""
+"""Times as clocks and calendars write them: `2024-05-04 12:00:00.008`, `12:00:00,008`, `1:00:00.008
+PM`, minutes and seconds of a spreadsheet (`00:00.008`), durations of MATLAB (`0.008 sec`)."""
 
 from __future__ import annotations
 
@@ -12,8 +13,11 @@ DAY = 86_400.0
 """[s]"""
 _CLOCK = re.compile(
     r"(?:[\w./-]{8,11}[T ]\s*|\d+ days? )?(?P<hours>[01]?\d|2[0-3]):(?P<minutes>[0-5]\d):"
-    r"(?P<seconds>[0-5]\d(?:[.,:]\d+)?)\s*(?:Z|UTC|[+-]\d\d:?\d\d)?"
+    r"(?P<seconds>[0-5]\d(?:[.,:]\d+)?)\s*(?:(?P<half>[AP])M|Z|UTC|[+-]\d\d:?\d\d)?",
+    re.IGNORECASE,
 )
+_MINUTES = re.compile(r"(?P<minutes>[0-5]?\d):(?P<seconds>[0-5]\d[.,]\d+)")
+_DURATION = re.compile(r"(?P<seconds>\d+(?:[.,]\d+)?(?:e[+-]?\d+)?) ?(?:s|sec)", re.IGNORECASE)
 
 
 def seconds_of_day(cell: str) -> float | None:
@@ -21,11 +25,16 @@ def seconds_of_day(cell: str) -> float | None:
 
     The date is not read: a log of an arm lasts less than a day.
     """
-    found = _CLOCK.fullmatch(cell.strip().strip('"').strip())
-    if found is None:
+    text = cell.strip().strip('"').strip()
+    matches = (form.fullmatch(text) for form in (_CLOCK, _MINUTES, _DURATION))
+    told = next((match.groupdict() for match in matches if match is not None), None)
+    if told is None:
         return None
-    seconds = re.sub("[,:]", ".", found["seconds"])
-    return 3600.0 * int(found["hours"]) + 60.0 * int(found["minutes"]) + float(seconds)
+    hours = int(told.get("hours", 0))
+    if told.get("half"):
+        hours = hours % 12 + 12 * (told["half"] in "Pp")
+    seconds = float(re.sub("[,:]", ".", told["seconds"]))
+    return 3600.0 * hours + 60.0 * int(told.get("minutes", 0)) + seconds
 
 
 class Midnights:

@@ -15,7 +15,8 @@ MOST_TITLES = 20
 EMPTY = " ,;\t\0"
 """what an empty line holds; zeros are what a file ends with whose recorder lost its power"""
 _SEPARATOR = re.compile(r"[,;\t]")
-_DECIMAL_COMMA = re.compile(r"(^|[;\t ])\s*-?\d+,\d+")
+_DECIMAL_COMMA = re.compile(r"[+-]?\d+,\d+(?:[eE][+-]?\d+)?")
+_WIDE = re.compile(r"\s{2,}")
 
 
 @dataclass(frozen=True)
@@ -30,6 +31,17 @@ class Dialect:
     def cells(self, line: str) -> list[str]:
         """Of one line, without quotes and blanks around them."""
         return [part.strip().strip('"').strip() for part in self.split(line)]
+
+    def names(self, line: str, row: str) -> list[str]:
+        """Of a header; with blanks in them above columns of one width.
+
+        Args:
+            line: the header; row: the line below it.
+        """
+        names = self.cells(line)
+        wide = _WIDE.split(line.strip())
+        fits = self.separator == " " and len(wide) == len(self.cells(row)) < len(names)
+        return wide if fits else names
 
     def split(self, line: str) -> list[str]:
         """The cells as they stand; a separator between two quotes separates nothing."""
@@ -78,16 +90,31 @@ def _dialect_at(lines: list[str], skip: int) -> Dialect:
     """Of a file whose header is line `skip`."""
     head = lines[skip]
     separator = max((",", ";", "\t"), key=head.count) if _SEPARATOR.search(head) else " "
-    # the first of them may be one of units
-    first = [line for line in lines[skip + 1 : skip + 1 + MOST_TITLES] if line.strip()][:2]
-    comma = separator != "," and any(_DECIMAL_COMMA.search(line) for line in first)
-    return Dialect(separator, "," if comma else ".", skip)
+    dialect = Dialect(separator, ".", skip)
+    return replace(dialect, decimal=",") if _decimal_comma(lines[skip + 1 :], dialect) else dialect
+
+
+def _decimal_comma(lines: list[str], dialect: Dialect) -> bool:
+    """Whether a cell of these lines is a number with a comma: an arm at rest writes zeros first.
+    Between commas only in quotes, and where no number has a point: else it is one of thousands."""
+    if dialect.separator != ",":
+        return any(
+            _DECIMAL_COMMA.fullmatch(cell)
+            for line in lines
+            if "," in line
+            for cell in dialect.cells(line)
+        )
+    first = [line for line in lines[:MOST_TITLES] if '"' in line]
+    cells = [cell for line in first for cell in dialect.cells(line)]
+    return any(map(_DECIMAL_COMMA.fullmatch, cells)) and not any(
+        "." in cell and is_number(cell, dialect) for cell in cells
+    )
 
 
 def _is_header(lines: list[str], dialect: Dialect) -> bool:
     """Whether this line holds three names or more, and the next two lines as many cells."""
-    names = dialect.cells(lines[dialect.skip])
     below = [line for line in lines[dialect.skip + 1 :][:MOST_TITLES] if line.strip(EMPTY)][:2]
+    names = dialect.names(lines[dialect.skip], below[0] if below else "")
     return (
         len(names) > 2
         and not any(is_number(name, dialect) for name in names)
