@@ -55,9 +55,19 @@ def test_an_export_of_twincat_is_read(tmp_path: Path, separator: str) -> None:
     np.testing.assert_allclose(log.tau, TAU, atol=1e-8)
 
 
-def test_a_time_of_each_channel_is_refused_with_what_to_choose(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match=r"12 columns of time.*Timelines: For each sampletime"):
-        read_log(export(tmp_path / "scope.csv", each=True))
+def test_a_time_of_each_channel_is_one_where_all_say_the_same(tmp_path: Path) -> None:
+    """As TwinCAT exports by itself: a time in front of every channel."""
+    path = export(tmp_path / "scope.csv", each=True)
+    log = read_log(path)
+    np.testing.assert_allclose(log.time, TIME, atol=1e-9)
+    np.testing.assert_allclose(log.q, np.radians(Q), atol=1e-9)
+    np.testing.assert_allclose(log.tau, TAU, atol=1e-8)
+    lines = path.read_text().split("\n")
+    cells = lines[30].split("\t")
+    cells[6] = "999"
+    path.write_text("\n".join([*lines[:30], "\t".join(cells), *lines[31:]]))
+    with pytest.raises(InputError, match=r"line 31: .* times \(.* and '999' ms\).*Timelines"):
+        read_log(path)
 
 
 def test_full_stamps_are_refused_with_what_to_choose(tmp_path: Path) -> None:
