@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+from codecs import BOM_UTF8
 from pathlib import Path
 
 from irb2400_ctrl.errors import InputError
@@ -28,6 +30,11 @@ ADVICE = {
 
 TRACE = b"DIAEXTENDED"
 """what the `.dat` of a KUKA trace begins with: a header of DIAdem, its samples are in a `.r64`"""
+_BEGINNINGS = (
+    (re.compile(rb'\s*\{\s*"'), ADVICE[".json"]),
+    (re.compile(rb"\s*<(\?xml|(\w+)[ >].*?</)", re.DOTALL), ADVICE[".xml"]),
+)
+"""how a file begins that is another thing than its suffix says"""
 
 
 def refuse_other_files(path: Path) -> None:
@@ -37,10 +44,12 @@ def refuse_other_files(path: Path) -> None:
         InputError: such a file; says what to do.
     """
     advice = ADVICE.get(path.suffix.lower())
-    if path.is_file() and path.suffix.lower() == ".dat":
+    if path.is_file() and advice is None:
         with path.open("rb") as file:
-            if file.read(len(TRACE)) == TRACE:
-                advice = f"the header of a KUKA trace; beside it are {ADVICE['.r64']}"
+            begin = file.read(1000).removeprefix(BOM_UTF8)
+        advice = next((told for form, told in _BEGINNINGS if form.match(begin)), None)
+        if begin.startswith(TRACE):
+            advice = f"the header of a KUKA trace; beside it are {ADVICE['.r64']}"
     if advice is not None:
         raise InputError(
             f"{path}: found {advice}; expected .csv, .xlsx, .lvm, .parquet, .mat, .npz, .h5 or a "

@@ -20,6 +20,9 @@ _LIST = re.compile(
 )
 _OF_SEVERAL = re.compile(r"(?P<name>.*) \((?P<place>\d+) of (?P<n>\d+)\)")
 _WHICH_JOINT = re.compile(r"(joint|axis)([ _]?(name|id|index|number|no))?", re.IGNORECASE)
+_WHICH_SIGNAL = re.compile(r"(topic|signal|channel|variable|series|tag)([ _]?name)?", re.IGNORECASE)
+_OF_NUMPY = re.compile(r"np\.float\d+\(([^()]*)\)")
+"""a number as NumPy 2 writes it in a list: `[np.float64(0.1), np.float64(0.2)]`"""
 _BETWEEN = re.compile(r"[\s,;]+")
 
 
@@ -115,7 +118,16 @@ def said_of_copies(names: Iterable[str]) -> str:
 
 
 def said_of_joint_rows(names: Iterable[str]) -> str:
-    """For a message: a column that says which joint a row is of; empty where none does."""
+    """For a message: a column that says which joint or signal a row is of; empty where none
+    does."""
+    names = list(names)
+    signal = next((name for name in names if _WHICH_SIGNAL.fullmatch(name)), None)
+    if signal is not None and "value" in map(str.lower, names):
+        return (
+            f"; column {signal!r} looks like the signal that a row is of: expected a row per "
+            "sample with a column for every signal (pandas: table.pivot(index=time, "
+            f"columns={signal!r}, values='value'))"
+        )
     found = next((name for name in names if _WHICH_JOINT.fullmatch(name)), None)
     if found is None:
         return ""
@@ -137,7 +149,7 @@ def numbered(name: str, j: int) -> str:
 def numbers_of(cell: str) -> list[float] | None:
     """The numbers of a list; None where the cell is none, or holds words. A word among numbers is
     NaN."""
-    found = _LIST.fullmatch(cell.strip().strip('"').strip())
+    found = _LIST.fullmatch(_OF_NUMPY.sub(r"\1", cell.strip().strip('"').strip()))
     if found is None:
         return None
     return [_number(word) for word in _BETWEEN.split(found["inside"].strip()) if word]

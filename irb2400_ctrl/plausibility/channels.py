@@ -30,6 +30,8 @@ DROP = 0.05
 """[rad/s] least step of a recorded speed that breaks off"""
 LOST = 3.0
 """times the usual step after which samples are lost"""
+DAY = 86_400.0
+"""[s] that spreadsheets and MATLAB count as one"""
 FASTEST = 20e3
 """[Hz] no arm's log is sampled faster"""
 SPARSE = 20.0
@@ -57,11 +59,12 @@ def channel_problem(log: Log) -> LogProblem | None:
 
 def _clock(log: Log) -> LogProblem | None:
     if log.rate > FASTEST:
+        days = log.rate / 1e3 > FASTEST > log.rate / DAY
+        was, named, factor = ("days", "seconds", DAY) if days else ("seconds", "milliseconds", 1e3)
         return LogProblem(
             "time_scale",
-            f"{log.rate:.3g} samples per second: time looks like seconds under the name of "
-            "milliseconds",
-            {"factor": 1e3},
+            f"{log.rate:.3g} samples per second: time looks like {was} under the name of {named}",
+            {"factor": factor},
         )
     if log.duration * log.rate > SPARSE * len(log.time):
         k = int(np.argmax(np.diff(log.time)))

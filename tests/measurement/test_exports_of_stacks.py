@@ -3,6 +3,7 @@ made here."""
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +12,7 @@ from measured_logs import made, same
 
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.measurement import read_log
+from irb2400_ctrl.plausibility.channels import channel_problem
 
 J = range(1, 7)
 LOG = made()
@@ -129,3 +131,82 @@ def test_names_with_blanks_below_a_title_and_behind_a_group(tmp_path: Path) -> N
     columns = [count, [f"{k}" for k in MS], *Q, *TAU]
     text = "DATA MONITOR\nSMPL0001.DT\n" + table(names, columns, "  ")
     same(read_log(written(tmp_path / "a.dt", text)), LOG, 1e-6)
+
+
+UNITS = {
+    "J{j} current [mA]": ['unit = "A"', "factor = 0.001"],
+    "J{j} torque [mNm]": ['unit = "mNm"'],
+    "J{j} torque (kNm)": ['unit = "kNm"'],
+    "M{j} axis {j} [Nm]": ['unit = "Nm"\n'],
+    "J{j} torque [Ncm]": ['unit = "Nm"', "factor = 0.01"],
+    "target_moment_{j}": ['unit = "Nm"   # commanded, or of the controller'],
+}
+
+
+@pytest.mark.parametrize("name", UNITS)
+def test_the_unit_of_a_name_stands_in_the_proposed_map(name: str, tmp_path: Path) -> None:
+    """A current in mA was proposed in A, a thousand times too large."""
+    angles, speeds = [[f"shaft {j} [{unit}]" for j in J] for unit in ("rev", "rpm")]
+    columns = [[f"{k}" for k in MS], *Q, *Q, *TAU]
+    torques = [name.replace("{j}", f"{j}") for j in J]
+    with pytest.raises(InputError, match="column map for it") as refused:
+        read_log(written(tmp_path / "a.csv", table(["T", *angles, *speeds, *torques], columns)))
+    text = str(refused.value)
+    entries = {entry.split('"')[3]: entry for entry in text.split("[[columns]]")[1:]}
+    assert 'unit = "rev"' in entries["q"]
+    assert "gear_ratio" in entries["q"]
+    assert 'unit = "rpm"' in entries["qd"]
+    for line in UNITS[name]:
+        assert line in entries["tau"]
+
+
+def test_a_map_may_count_ticks(tmp_path: Path) -> None:
+    columns = [CLOCKS["ticks since the year 1"][1][0], *Q, *TAU]
+    names = ["Stamp", *(f"angle {j}" for j in J), *(f"torque {j}" for j in J)]
+    path = written(tmp_path / "a.csv", table(names, columns))
+    with pytest.raises(InputError, match='unit = "ticks"') as refused:
+        read_log(path)
+    text = str(refused.value)
+    log = read_log(path, columns=written(tmp_path / "map.toml", text[text.index("[time]") :]))
+    np.testing.assert_allclose(log.time - log.time[0], LOG.time, atol=2e-5)
+
+
+def test_commanded_angles_alone_are_said_to_be_such(tmp_path: Path) -> None:
+    names = ["Time [ms]", *(f"Position_ref Axis{j} [deg]" for j in J)]
+    names += [f"Torque_ref Axis{j} [Nm]" for j in J]
+    path = written(tmp_path / "a.csv", table(names, [[f"{k}" for k in MS], *Q, *TAU]))
+    with pytest.raises(
+        InputError, match=r"\(Position_ref Axis\{j\} \[deg\]\) are called commanded"
+    ):
+        read_log(path)
+
+
+OTHERS = {
+    '{"t": 0.0, "q": [0.1, 0.2]}\n{"t": 0.1, "q": [0.1, 0.2]}\n': "found JSON",
+    '\ufeff<?xml version="1.0"?>\n<log a="1" b="2"/>\n': "found XML",
+    '<Rob Type="KUKA"><AIPos A1="1.0" A2="2.0"/></Rob>\n' * 3: "found XML",
+    "time,topic,value\n0,/q,1\n0,/tau,2\n": "'topic' looks like the signal that a row is of",
+    'time,q,tau\n0,"[0.1 0.2\n 0.3]","[1 2 3]"\n': "a quote is not closed in its line",
+}
+
+
+@pytest.mark.parametrize("text", OTHERS)
+def test_what_is_no_table_of_samples_is_named(text: str, tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=OTHERS[text]):
+        read_log(written(tmp_path / "a.log", text))
+
+
+def test_lists_as_numpy_writes_them(tmp_path: Path) -> None:
+    names = ["name", "position", "effort"]
+    joints = f'"{[f"joint_{j}" for j in J]}"'
+    lists = [[f'"{[np.float64(v) for v in row]!r}"' for row in a] for a in (LOG.q, LOG.tau)]
+    text = table(["time", *names], [[f"{t:g}" for t in LOG.time], [joints] * len(MS), *lists])
+    assert "np.float64(" in text or np.__version__ < "2"
+    same(read_log(written(tmp_path / "a.csv", text)), LOG, 1e-6)
+
+
+def test_a_time_in_days_is_named() -> None:
+    days = replace(LOG, time=45416.5 + LOG.time / 86400)
+    found = channel_problem(days)
+    assert found is not None
+    assert "time looks like days under the name of seconds" in found.says

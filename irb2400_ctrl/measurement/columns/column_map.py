@@ -40,7 +40,7 @@ from irb2400_ctrl.measurement.columns.two_part_time import COUNTED, TimePair
 from irb2400_ctrl.reading import bounded_text, toml_tables
 from irb2400_ctrl.typed import typed
 
-TIME = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
+TIME = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ticks": 1e-7, "ns": 1e-9}
 TURN = 2.0 * np.pi
 UNITS = {
     "q": {"rad": 1.0, "deg": TURN / 360, "rev": TURN},
@@ -58,7 +58,7 @@ class TimeColumn(_Strict):
     """Which column is the time, and its unit; or how many samples a second there are."""
 
     column: str | None = None
-    unit: Literal["s", "ms", "us", "ns"] = "s"
+    unit: Literal["s", "ms", "us", "ticks", "ns"] = "s"
     nanoseconds: str | None = None
     """a second column, beyond the whole seconds of the first"""
     microseconds: str | None = None

@@ -28,11 +28,17 @@ MEASURED = re.compile(r"act(?!uator|ion)|meas|msr|mes|real|(?<!wr)ist|fb|feed|st
 TORQUE = (
     r"tau|τ|torq|trq|tq|mom|qfrc|(?<![a-z])(tor|couple|coppia|par)(?![a-z])|トルク|扭矩|力矩|转矩"
 )
+NEWTON_METRES = r"(?<![a-z])(?:[km]?n[ ·⋅.*-]?m|ncm)(?![a-z])"
+TURNS = r"(?<![a-z])(rev|revs|turns|umdrehungen)(?![a-z/])"
+TURNS_A_MINUTE = r"rpm|/min|min-(?=\W*$)"
+DEGREE_OR_RAD = r"deg|°(?!c)|(?<!g)rad(?!i(?!an))|grad(?!i)"
 CURRENT = r"cur|(?<![a-z])(courant|corrente|corriente)(?![a-z])|電流|电流"
 QUANTITIES = {
-    "tau": rf"{TORQUE}|{CURRENT}|(?<!co)eff|load|force|m(?=act)|^m?t\W*$",
-    "qd": r"vel|speed|dot|dq|qd|qv|qp(?!os)|omega|ω|geschw|vitesse|速度",
+    "tau": rf"{TORQUE}|{CURRENT}|(?<!co)eff|load|force|m(?=act)|^m?t\W*$|{NEWTON_METRES}",
+    "qd": r"vel|speed|dot|dq|qd|qv|qp(?!os)|omega|ω|geschw|vitesse|速度"
+    rf"|(?:deg|rad|°)(?:/|p|_|_per_)s|{TURNS_A_MINUTE}",
     "q": r"pos|ang|q|theta|θ|rax|joint|jnt|axis|achse|winkel|^([aj]|jt|mp)\W*$|state\W*$"
+    rf"|{DEGREE_OR_RAD}|{TURNS}"
     r"|(?<![a-z])(axe|asse|eje)(?![a-z])|角|軸|轴|关节|関節",
 }
 """what a name means, asked in this order"""
@@ -54,6 +60,10 @@ MOST_JOINTS = 16
 DEGREES = 7.0
 """an angle beyond this is hardly in radians"""
 NEEDED = "and a log needs them (of signals in files of their own, put the columns into one)"
+ALONE = (
+    "not measured: record the measured ones, or say in a column map that they are to be taken "
+    '(quantity = "q"; --columns, docs/logs.md)'
+)
 UNITS = {
     "q": ("rad", "deg"),
     "qd": ("rad_s", "deg_s"),
@@ -82,6 +92,9 @@ def suggested_map(columns: Mapping[str, Array], joints: Sequence[str] | None = N
         return f"; no columns are called as measured torques or currents are, {NEEDED}"
     if set(chosen) - {""} == {"tau"}:
         return f"; no columns are called as angles of joints are, {NEEDED}"
+    if "tau" in chosen and "q_ref" in chosen and "q" not in chosen:
+        commanded = chosen["q_ref"][2]
+        return f"; the angles that there are ({commanded}) are called commanded ones, {ALONE}"
     if not {"q", "tau"} <= chosen.keys():
         return ""
     names = {quantity: patterns[pattern] for quantity, (*_, pattern) in chosen.items()}
@@ -187,7 +200,7 @@ def _time(columns: Mapping[str, Array], rows: int) -> list[str]:
     for name, values in columns.items():
         if len(values) == rows and TIME.fullmatch(name.lower()):
             scale = unit_by_step(values)
-            unit = {1e-3: "ms", 1e-6: "us", 1e-9: "ns"}.get(scale, "s")
+            unit = {1e-3: "ms", 1e-6: "us", 1e-7: "ticks", 1e-9: "ns"}.get(scale, "s")
             return ["[time]", f'column = "{name}"', f'unit = "{unit}"', ""]
     return ["[time]", "rate_Hz = nan   # samples a second: no column is called as a time is", ""]
 
@@ -206,15 +219,38 @@ def _entry(quantity: str, pattern: str, names: Sequence[str], degrees: bool) -> 
 
 def _unit(quantity: str, words: str, degrees: bool) -> list[str]:
     """What stands in a table about the unit."""
-    gear = ["gear_ratio = nan   # motor turns per joint turn, signed"]
-    if quantity == "tau" and AMPERE.search(words):
-        return ['unit = "A"', "Nm_per_A = nan   # of the motors: a number, or a list", *gear]
-    if quantity == "tau" and "%" in words:
+    gear = "gear_ratio = nan   # motor turns per joint turn, signed"
+    motor = [f"{gear}; 1 if it is the joint's"]
+    if quantity == "tau":
+        return _unit_of_torque(words, gear, motor if MOTOR.search(words) else [])
+    unit, turns = ("rpm", TURNS_A_MINUTE) if quantity == "qd" else ("rev", TURNS)
+    if re.search(turns, words):
+        return [f'unit = "{unit}"', *motor]
+    stated = re.search(DEGREE_OR_RAD, words)
+    in_degrees = degrees if stated is None else stated[0] != "rad"
+    return [f'unit = "{UNITS[quantity][in_degrees]}"', *motor * bool(MOTOR.search(words))]
+
+
+def _unit_of_torque(words: str, gear: str, motor: list[str]) -> list[str]:
+    """The same of a torque, or of a current.
+
+    Args:
+        words: of its name; gear: the line of a ratio that is needed; motor: that of one that may
+            be, or nothing.
+    """
+    if AMPERE.search(words):
+        milli = re.search(r"(?<![a-z])ma(?![a-z])", words) is not None
+        constant = "Nm_per_A = nan   # of the motors: a number, or a list"
+        return ['unit = "A"', *["factor = 0.001   # of mA"] * milli, constant, gear]
+    if "%" in words:
         return ['unit = "percent"', "full_scale_Nm = nan   # what 100 % are"]
-    motor = [f"{gear[0]}; 1 if it is the joint's"] if MOTOR.search(words) else []
-    if quantity == "tau" and not SURELY.search(words):
+    if not SURELY.search(words):
         doubt = "   # or a current (A, with Nm_per_A), or percent: its name does not say"
         return [f'unit = "Nm"{doubt}', *motor]
-    stated = re.search(r"deg|°|(?<!g)rad(?!ius)|grad", words)
-    in_degrees = degrees if stated is None else stated[0] != "rad"
-    return [f'unit = "{UNITS[quantity][in_degrees]}"', *motor]
+    stated = re.search(NEWTON_METRES, words)
+    said = "" if stated is None else stated[0]
+    unit = {"k": "kNm", "m": "mNm"}.get(said[:1], "Nm")
+    factor = ["factor = 0.01   # of Ncm"] * (said == "ncm")
+    commanded = COMMANDED.search(words) is not None and MEASURED.search(words) is None
+    doubt = "   # commanded, or of the controller's model: not measured" * commanded
+    return [f'unit = "{unit}"{doubt}', *factor, *motor]

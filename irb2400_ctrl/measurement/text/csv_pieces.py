@@ -163,6 +163,11 @@ def _wrong_width(body: Body, number: int, line: str, found: int, width: int) -> 
     hint = "; with decimal commas the cells need semicolons between them" * commas
     if body.dialect.separator == "," and re.search(r"[\[({]", line):
         hint = "; a list with commas needs quotes around it, or other separators outside"
+    if line.count('"') % 2:
+        hint = (
+            "; a quote is not closed in its line: a list goes on in the next ones, where one line "
+            "a sample is expected (of numpy, write array.tolist())"
+        )
     return InputError(
         f"{body.path}, line {number}: found {found} cells, expected {width} as in the header{hint}"
     )
