@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import re
 from dataclasses import dataclass, replace
+from itertools import chain
 from pathlib import Path
 
 from irb2400_ctrl.errors import InputError
@@ -12,10 +13,13 @@ from irb2400_ctrl.errors import InputError
 COMMENTS = ("#", "%", "//")
 MOST_TITLES = 20
 """lines that may stand above the header: of one cell, or of fewer than the samples have"""
+LOOKED_AT = 1000
+"""lines with quotes, each of which is taken apart"""
 EMPTY = " ,;\t\0"
 """what an empty line holds; zeros are what a file ends with whose recorder lost its power"""
 _SEPARATOR = re.compile(r"[,;\t]")
 _DECIMAL_COMMA = re.compile(r"[+-]?\d+,\d+(?:[eE][+-]?\d+)?")
+_THOUSANDS = re.compile(r"[+-]?[1-9]\d{0,2},\d{3}")
 _WIDE = re.compile(r"\s{2,}")
 
 
@@ -95,20 +99,20 @@ def _dialect_at(lines: list[str], skip: int) -> Dialect:
 
 
 def _decimal_comma(lines: list[str], dialect: Dialect) -> bool:
-    """Whether a cell of these lines is a number with a comma: an arm at rest writes zeros first.
-    Between commas only in quotes, and where no number has a point: else it is one of thousands."""
-    if dialect.separator != ",":
-        return any(
-            _DECIMAL_COMMA.fullmatch(cell)
-            for line in lines
-            if "," in line
-            for cell in dialect.cells(line)
-        )
-    first = [line for line in lines[:MOST_TITLES] if '"' in line]
-    cells = [cell for line in first for cell in dialect.cells(line)]
-    return any(map(_DECIMAL_COMMA.fullmatch, cells)) and not any(
-        "." in cell and is_number(cell, dialect) for cell in cells
-    )
+    """Whether commas in the numbers of these lines are decimal ones: an arm at rest writes zeros
+    first, `1,234` beside `0.5` is a thousand. Between commas numbers have them in quotes alone."""
+    mark = ","
+    if dialect.separator == ",":
+        mark, lines = '"', lines[:LOOKED_AT]
+    cells = (cell for line in lines if mark in line for cell in dialect.cells(line))
+    numbers = filter(_DECIMAL_COMMA.fullmatch, cells)
+    first = next(numbers, None)
+    if first is None:
+        return False
+    if not all(_THOUSANDS.fullmatch(cell) for cell in chain([first], numbers)):
+        return True
+    points = (cell for line in lines for cell in dialect.cells(line) if "." in cell)
+    return not any(is_number(cell, dialect) for cell in points)
 
 
 def _is_header(lines: list[str], dialect: Dialect) -> bool:
