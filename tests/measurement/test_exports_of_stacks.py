@@ -217,3 +217,30 @@ def test_thousands_are_no_decimals(separator: str, form: str, tmp_path: Path) ->
     text = table(["Time [ms]", *SIGNALS], [times, *Q, *torques], separator)
     with pytest.raises(InputError, match=r"in line 2, where '[\d,.]+' stands"):
         read_log(written(tmp_path / "a.csv", text))
+
+
+@pytest.mark.parametrize(
+    "time", ["Timestamp", "TIME", "Time Stamp", "elapsed_time", "t", "Time (s)"]
+)
+def test_names_of_recorders_beside_other_words_for_a_time(time: str, tmp_path: Path) -> None:
+    names = [*(f"actual_q_{j - 1}" for j in J), *(f"actual_current_as_torque_{j - 1}" for j in J)]
+    columns = [*LOG.q.T, *LOG.tau.T]
+    cells = [[f"{v:.9g}" for v in column] for column in (LOG.time, *columns)]
+    same(read_log(written(tmp_path / "a.csv", table([time, *names], cells))), LOG, 1e-6)
+    with pytest.raises(InputError, match=r'torque_\{j0\}"\nquantity = "tau"\nunit = "Nm"\n'):
+        read_log(written(tmp_path / "b.csv", table(["count", *names], cells)))
+
+
+@pytest.mark.parametrize("form", ["{} / {}", "{} in {}", '"{}, {}"', "{} <{}>"])
+def test_units_as_engineers_write_them(form: str, tmp_path: Path) -> None:
+    names = [form.format("Time", "ms")]
+    names += [form.format(f"J{j}", "°") for j in J] + [form.format(f"Torque {j}", "Nm") for j in J]
+    path = written(tmp_path / "a.csv", table(names, [[f"{k}" for k in MS], *Q, *TAU]))
+    same(read_log(path), LOG, 1e-6)
+
+
+def test_decimal_commas_between_commas_are_told_in_any_row(tmp_path: Path) -> None:
+    cells = [[f"{v:.4f}".replace(".", ",") for v in column] for column in np.degrees(LOG.q).T]
+    text = table(["Time [ms]", *SIGNALS[:6]], [[f"{k}" for k in MS], *cells])
+    with pytest.raises(InputError, match=r"found 13 cells, expected 7.*need semicolons"):
+        read_log(written(tmp_path / "a.csv", text))

@@ -28,6 +28,7 @@ import numpy as np
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.measurement.columns.joint_order import places
+from irb2400_ctrl.measurement.columns.signal_names import TIME_WORDS, time_scale
 from irb2400_ctrl.measurement.table import Table
 
 Named = tuple[tuple[str, float], dict[str, dict[int, str]]]
@@ -54,7 +55,8 @@ _ECHO = re.compile(
 _QUOTED = re.compile(r"""['"]([^'"]+)['"]""")
 _NAMES = re.compile(r"(.*[/.])?name")
 _TIMES = {"%time": 1e-9, "time_ns": 1e-9, "time_us": 1e-6, "time_ms": 1e-3, "time_s": 1.0}
-_BARE_TIMES = ("timestamp", "__time", "time", "Time", "duration")
+_BARE_TIMES = ("timestamp", "__time", "time", "duration")
+"""before other words for a time"""
 SLOWEST = 0.1
 """between two samples [s]"""
 _SINCE_1970 = ((1e18, 1e-9), (1e17, 1e-7), (1e14, 1e-6), (1e11, 1e-3))
@@ -68,14 +70,16 @@ def recorder_columns(table: Table, joints: Sequence[str] | None) -> Named | None
     Raises:
         InputError: joints that are not the robot's, or two columns for one.
     """
-    time = next((name for name in (*_TIMES, *_BARE_TIMES) if name in table.columns), None)
+    stated = {name: scale for name in table.columns if (scale := time_scale(name)) is not None}
+    known = {name: scale for name, scale in _TIMES.items() if name in table.columns} or stated
+    time = next(iter(known), _bare_time(table))
     if time is None:
         return None
     for reader in (_rtde, _franka, _by_joint, _echoed):
         found = reader(table, joints)
         if found.get("q"):
             unit = unit_by_step if reader is _franka else unit_by_size
-            return (time, _TIMES.get(time) or unit(table.columns[time])), found
+            return (time, known.get(time) or unit(table.columns[time])), found
     return None
 
 
@@ -86,7 +90,13 @@ def names_joints(table: Table) -> bool:
 
 def has_time(table: Table) -> bool:
     """Whether a column is called as a time is."""
-    return any(name in table.columns for name in (*_TIMES, *_BARE_TIMES))
+    return _bare_time(table) is not None or any(name in table.columns for name in _TIMES)
+
+
+def _bare_time(table: Table) -> str | None:
+    """The column that is called as a time is, without a unit."""
+    words = {"_".join(name.lower().split()): name for name in reversed(table.columns)}
+    return next((words[word] for word in (*_BARE_TIMES, *TIME_WORDS) if word in words), None)
 
 
 def _twice(table: Table, one: str, other: str, what: str) -> InputError:

@@ -33,20 +33,10 @@ TIMES = {
     **{"us": 1e-6, "µs": 1e-6, "μs": 1e-6, "usec": 1e-6, "microseconds": 1e-6},
     **{"ns": 1e-9, "nsec": 1e-9, "nanosec": 1e-9, "nanoseconds": 1e-9},
 }
-TIME_WORDS = {
-    "time",
-    "t",
-    "timestamp",
-    "time_stamp",
-    "elapsed",
-    "elapsed_time",
-    "zeit",
-    "zeitstempel",
-    "temps",
-    "tiempo",
-    "时间",
-    "時間",
-}
+TIME_WORDS = (
+    *("time", "t", "timestamp", "time_stamp", "elapsed", "elapsed_time"),
+    *("zeit", "zeitstempel", "temps", "tiempo", "时间", "時間"),
+)
 _SPELLED = {
     "°": "deg",
     "degrees": "deg",
@@ -56,9 +46,11 @@ _SPELLED = {
     "度": "deg",
     "弧度": "rad",
 }
-_NAME = re.compile(r"(?P<words>.*?)\s*[\[(\uff08](?P<unit>[^\])\uff09]*)[\])\uff09]\s*")
+_NAME = re.compile(r"(?P<words>.*?)\s*[\[(<\uff08](?P<unit>[^\])>\uff09]*)[\])>\uff09]\s*")
 _ENDS = re.compile(
-    r"(?P<words>.*?)[ _](?P<unit>(?:deg|rad)(?:ps|[_/]s|_per_s)?|k?nm|seconds|[mun]?s(?:ec)?)", re.I
+    r"(?P<words>.*?)(?:[ _]|\s*[/,]\s*)(?:in )?"
+    r"(?P<unit>(?:deg|rad|°)(?:ps|[_/]s|_per_s)?|k?nm|seconds|[mun]?s(?:ec)?)",
+    re.IGNORECASE,
 )
 _NUMBER = r")[ _]?([1-9]\d?)(?!\d)"
 _JOINT = re.compile(

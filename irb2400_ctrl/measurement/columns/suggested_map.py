@@ -32,7 +32,7 @@ NEWTON_METRES = r"(?<![a-z])(?:[km]?n[ ·⋅.*-]?m|ncm)(?![a-z])"
 TURNS = r"(?<![a-z])(rev|revs|turns|umdrehungen)(?![a-z/])"
 TURNS_A_MINUTE = r"rpm|/min|min-(?=\W*$)"
 DEGREE_OR_RAD = r"deg|°(?!c)|(?<!g)rad(?!i(?!an))|grad(?!i)"
-CURRENT = r"cur|(?<![a-z])(courant|corrente|corriente)(?![a-z])|電流|电流"
+CURRENT = r"cur(?!rent_as_torque)|(?<![a-z])(courant|corrente|corriente)(?![a-z])|電流|电流"
 QUANTITIES = {
     "tau": rf"{TORQUE}|{CURRENT}|(?<!co)eff|load|force|m(?=act)|^m?t\W*$|{NEWTON_METRES}",
     "qd": r"vel|speed|dot|dq|qd|qv|qp(?!os)|omega|ω|geschw|vitesse|速度"

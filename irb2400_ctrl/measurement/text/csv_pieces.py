@@ -159,7 +159,7 @@ def _same_joints(body: Body, cells: list[str], place: str) -> None:
 
 
 def _wrong_width(body: Body, number: int, line: str, found: int, width: int) -> InputError:
-    commas = found == 2 * width and body.dialect.separator == ","
+    commas = found > width and body.dialect.separator == "," and "." not in line
     hint = "; with decimal commas the cells need semicolons between them" * commas
     if body.dialect.separator == "," and re.search(r"[\[({]", line):
         hint = "; a list with commas needs quotes around it, or other separators outside"
