@@ -60,11 +60,13 @@ def channel_problem(log: Log) -> LogProblem | None:
 def _clock(log: Log) -> LogProblem | None:
     if log.rate > FASTEST:
         days = log.rate / 1e3 > FASTEST > log.rate / DAY
-        was, named, factor = ("days", "seconds", DAY) if days else ("seconds", "milliseconds", 1e3)
+        units = (
+            "days under the name of seconds" if days else "seconds under the name of milliseconds"
+        )
         return LogProblem(
             "time_scale",
-            f"{log.rate:.3g} samples per second: time looks like {was} under the name of {named}",
-            {"factor": factor},
+            f"{log.rate:.3g} samples per second: time looks like {units}",
+            {"factor": DAY if days else 1e3},
         )
     if log.duration * log.rate > SPARSE * len(log.time):
         k = int(np.argmax(np.diff(log.time)))

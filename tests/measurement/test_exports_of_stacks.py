@@ -108,8 +108,10 @@ def test_a_time_in_words_is_read(name: str, tmp_path: Path) -> None:
 
 def test_decimal_commas_after_a_rest_and_in_quotes(tmp_path: Path) -> None:
     """An arm at rest writes `0;0` first; between commas the numbers stand in quotes."""
-    q, tau = np.degrees(LOG.q), LOG.tau
-    cells = [[f"{v:.9g}".replace(".", ",") for v in column] for column in (*q.T, *tau.T)]
+    cells = [
+        [f"{v:.9g}".replace(".", ",") for v in column]
+        for column in (*np.degrees(LOG.q).T, *LOG.tau.T)
+    ]
     rest = [["0"] * 40 + column[40:] for column in cells]
     times = [f"{k}" for k in MS]
     text = table(["Time [ms]", *SIGNALS], [times, *rest], ";")

@@ -223,9 +223,8 @@ def _unit(quantity: str, words: str, degrees: bool) -> list[str]:
     motor = [f"{gear}; 1 if it is the joint's"]
     if quantity == "tau":
         return _unit_of_torque(words, gear, motor if MOTOR.search(words) else [])
-    unit, turns = ("rpm", TURNS_A_MINUTE) if quantity == "qd" else ("rev", TURNS)
-    if re.search(turns, words):
-        return [f'unit = "{unit}"', *motor]
+    if re.search(TURNS_A_MINUTE if quantity == "qd" else TURNS, words):
+        return [f'unit = "{"rpm" if quantity == "qd" else "rev"}"', *motor]
     stated = re.search(DEGREE_OR_RAD, words)
     in_degrees = degrees if stated is None else stated[0] != "rad"
     return [f'unit = "{UNITS[quantity][in_degrees]}"', *motor * bool(MOTOR.search(words))]

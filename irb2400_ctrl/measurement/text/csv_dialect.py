@@ -103,7 +103,8 @@ def _decimal_comma(lines: list[str], dialect: Dialect) -> bool:
     first, `1,234` beside `0.5` is a thousand. Between commas numbers have them in quotes alone."""
     mark = ","
     if dialect.separator == ",":
-        mark, lines = '"', lines[:LOOKED_AT]
+        mark = '"'
+        lines = lines[:LOOKED_AT]
     cells = (cell for line in lines if mark in line for cell in dialect.cells(line))
     numbers = filter(_DECIMAL_COMMA.fullmatch, cells)
     first = next(numbers, None)
