@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -57,9 +58,12 @@ def simulate(
     from irb2400_ctrl.report.pages.simulation_page import simulation_page
     from irb2400_ctrl.simulation import load_trajectory
     from irb2400_ctrl.simulation import simulate as run
+    from irb2400_ctrl.simulation.reference_check import planned_for_another
 
     arm = load_arm(robot)
     motion = load_trajectory(trajectory)
+    if doubt := planned_for_another(arm, motion):
+        print(f"irb2400: {trajectory}: {doubt}", file=sys.stderr)
     other = None if plant is None else load_arm(plant)
     block = make_controller(controller, arm)
     with step(f"simulating {controller}"):
