@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import numpy.typing as npt
 from scipy.optimize import linear_sum_assignment
@@ -86,6 +88,17 @@ def command_remarks(log: Log) -> list[str]:
     return [
         f"commanded and measured angle of {named(copies)} are the same to the last digit: one is a "
         "copy of the other, and of commanded angles nothing of the arm can be learned"
+    ]
+
+
+def plan_remarks(log: Log) -> list[str]:
+    """Columns that a plan has beside those of a log."""
+    planned = [name for name in log.extra if re.match(r"qdd\d+_", name)]
+    if "s" not in log.extra or len(planned) < log.n:
+        return []
+    return [
+        f"the columns {planned[0]} … and s are those of a plan (trajectory.csv): torques that a "
+        "model made say nothing of the arm; give the log that was recorded"
     ]
 
 

@@ -16,6 +16,7 @@ from irb2400_ctrl.measurement.time_base import with_time_base
 from irb2400_ctrl.plausibility.agreement import (
     command_problem,
     command_remarks,
+    plan_remarks,
     speed_problem,
     speed_remarks,
     speeds_agree,
@@ -131,6 +132,7 @@ def examined(robot: Robot | None, log: Log) -> Examined:
     stands: tuple[str, ...] = ()
     if problem is None:
         stands = (*standing_remarks(log), *speed_remarks(even), *command_remarks(log))
+    stands = (*plan_remarks(log), *stands)
     return Examined(problem, understood, (*told, *stands, *_perhaps(problem, understood)))
 
 

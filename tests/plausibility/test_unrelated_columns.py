@@ -9,7 +9,7 @@ import pytest
 
 from irb2400_ctrl.measurement import Log
 from irb2400_ctrl.plausibility import check_log
-from irb2400_ctrl.plausibility.agreement import command_remarks, speed_remarks
+from irb2400_ctrl.plausibility.agreement import command_remarks, plan_remarks, speed_remarks
 
 TIME = np.arange(0.0, 20.0, 0.008)
 RATE = np.array([1.0, 1.3, 1.7, 2.1, 2.6, 0.0])
@@ -52,3 +52,14 @@ def test_a_command_that_is_a_copy_is_told() -> None:
     assert "joints 1, 2, 3, 4, 5 are the same to the last digit" in said
     assert command_remarks(replace(LOG, q_ref=Q + 1e-6)) == []
     assert command_remarks(LOG) == []
+
+
+def test_the_columns_of_a_plan_are_told() -> None:
+    """`diagnose plan/trajectory.csv` said that a body is off, of torques that the model had
+    made."""
+    planned = {f"qdd{j + 1}_deg_s2": Q[:, j] for j in range(Q.shape[1])}
+    [said] = plan_remarks(replace(LOG, extra=planned | {"s": Q[:, 0]}))
+    assert "are those of a plan" in said
+    assert said in check_log(None, replace(LOG, extra=planned | {"s": Q[:, 0]})).remarks
+    assert plan_remarks(replace(LOG, extra=planned)) == []
+    assert plan_remarks(LOG) == []
