@@ -26,6 +26,29 @@ _TURN = 2 * np.pi
 _MOST_TURNS = 40
 
 
+def check_radians(robot: Robot, name: str, q: Array) -> None:
+    """Refuse angles that no arm gets to and that are this arm's as degrees.
+
+    Args:
+        robot: whose joint box it is.
+        name: for the message.
+        q: that should be [rad], shape (n,).
+
+    Raises:
+        InputError: more than a whole turn outside the joint box, and inside it as degrees.
+    """
+
+    def outside(angles: Array) -> float:
+        return float(np.maximum(angles - robot.q_max, robot.q_min - angles).max())
+
+    if outside(q) > _TURN and outside(np.radians(q)) <= 0.0:
+        worst = int(np.argmax(np.abs(q)))
+        raise InputError(
+            f"{name}: found {q[worst]:g} rad on axis {worst + 1}, expected actuator angles in "
+            f"radians; the numbers fit if they are degrees: np.radians({name})"
+        )
+
+
 @dataclass(frozen=True)
 class JointBox:
     """Where the actuator angles may be [rad]."""

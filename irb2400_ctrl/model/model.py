@@ -14,7 +14,7 @@ from irb2400_ctrl.given import finite, numbers
 from irb2400_ctrl.model.branch_solver import BranchSolver, branch_solver
 from irb2400_ctrl.model.functions import FUNCTIONS
 from irb2400_ctrl.model.inverse_kinematics import Branches
-from irb2400_ctrl.model.joint_box import JointBox
+from irb2400_ctrl.model.joint_box import JointBox, check_radians
 from irb2400_ctrl.model.numeric import Value, evaluate
 from irb2400_ctrl.model.symbolic_arm import SymbolicArm
 from irb2400_ctrl.robot import Robot
@@ -184,12 +184,13 @@ class Model(SymbolicArm):
         comes first, and it decides an angle that a singularity leaves free.
 
         Raises:
-            InputError: not a pose, or the arm has not six axes.
+            InputError: not a pose, the arm has not six axes, or a seed in degrees.
             UnreachableError: no branch reaches the pose inside the joint box; says by how much.
         """
         X = numbers("pose", X_BT)
         if seed is not None:
             seed = finite("seed", seed, (self.robot.n,), "rad")
+            check_radians(self.robot, "seed", seed)
         if X.shape != (4, 4):
             raise _no_pose(X)
         q = self._branch_solver.inside(X, seed)

@@ -18,13 +18,16 @@ from irb2400_ctrl.planners.timing.sampled_reference.sampling import Sampling
 from irb2400_ctrl.planners.toolpath.orientation import Orientation, shape_path
 from irb2400_ctrl.planners.toolpath.toolpath import ToolPath
 
+MOST_TOLERANCE = 0.02
+"""[m] to which a corner is cut at most: more is taken for millimetres"""
+
 
 @dataclass(frozen=True)
 class PlanOptions:
     """What `plan_path` was asked for, its timing apart.
 
     Raises:
-        InputError: a rate or a tolerance that is not a positive number.
+        InputError: a rate or a tolerance that is not a positive number, or one of centimetres.
     """
 
     rate: float
@@ -50,6 +53,11 @@ class PlanOptions:
     def __post_init__(self) -> None:
         positive("rate", self.rate, "rows per second")
         positive("tolerance", self.tolerance, "m")
+        if self.tolerance > MOST_TOLERANCE:
+            raise InputError(
+                f"tolerance: found {1e3 * self.tolerance:g} mm, expected at most "
+                f"{1e3 * MOST_TOLERANCE:g} mm; in Python it is in metres, 5e-05 for 0.05 mm"
+            )
         # zero asks for the stated orientation itself
         if not (math.isfinite(self.axis_tolerance) and self.axis_tolerance >= 0):
             raise InputError(

@@ -163,3 +163,12 @@ class TestRefusals:
     def test_not_a_pose(self, model: irb.Model, X: np.ndarray) -> None:
         with pytest.raises(InputError, match="inverse kinematics"):
             model.inverse_kinematics(X)
+
+
+def test_a_seed_in_degrees_is_refused() -> None:
+    """It decided in silence which of the branches came first."""
+    q = np.radians([10.0, 20.0, 10.0, 30.0, 45.0, 0.0])
+    with pytest.raises(InputError, match=r"seed: found 45 rad on axis 5.*np\.radians\(seed\)"):
+        ARM.inverse_kinematics(ARM.tcp_pose(q), seed=np.degrees(q))
+    a_turn_on = q + 2 * np.pi
+    assert len(ARM.inverse_kinematics(ARM.tcp_pose(q), seed=a_turn_on)) > 1

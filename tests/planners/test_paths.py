@@ -273,6 +273,14 @@ def test_lengths_in_millimetres_are_asked_about() -> None:
         plan_path(robot, circle)
 
 
+def test_a_tolerance_in_millimetres_is_refused() -> None:
+    """0.05 as of --tolerance-mm cut the corners by 50 mm."""
+    robot = load_robot("irb2400")
+    circle = builders.circle((0.95, 0.0, 0.6), 0.1, feed=0.1)
+    with pytest.raises(InputError, match=r"tolerance: found 50 mm, expected at most 20 mm"):
+        plan_path(robot, circle, tolerance=0.05)
+
+
 def test_a_free_rotation_is_not_asked_for_again() -> None:
     """A wrist that turns too little: freeing what was free already was the advice."""
     robot = load_robot("irb2400")
