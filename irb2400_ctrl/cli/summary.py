@@ -53,11 +53,13 @@ class Summary:
         facts: under their JSON names, with the unit: what the verb's JSON file says, if it has one.
         written: files and folders that were made; `written` of the object, absent without any.
         stop: what is raised once the summary is told (a log that cannot be this robot's).
+        kept: what an earlier call of the command has made and this one has gone on with.
     """
 
     facts: Mapping[str, Any]
     written: Sequence[Path] = ()
     stop: Exception | None = None
+    kept: Sequence[Path] = ()
 
     def text(self) -> str:
         """One JSON object (RFC 8259: a number that is not finite is null)."""
@@ -89,8 +91,10 @@ def answers(verb: Callable[..., Summary]) -> Callable[..., None]:
             raise
         if as_json:
             print(found.text())
-        left = _left_over(before, _standing(out))
-        replaced_some = len(left) < len(before)
+        kept = {path.name for path in found.kept}
+        left = [name for name in _left_over(before, _standing(out)) if name not in kept]
+        # what is stopped has not made its main result
+        replaced_some = len(left) < len(before) or found.stop is not None
         # a file that is put beside others says nothing of them
         put_beside = [path.is_file() for path in found.written] == [True]
         if left and replaced_some and not put_beside:

@@ -37,7 +37,7 @@ def sweep(
 
     from irb2400_ctrl.extras import needed
     from irb2400_ctrl.sweep import load_study, run_sweep, summary_text
-    from irb2400_ctrl.sweep.journal import saved_cases
+    from irb2400_ctrl.sweep.journal import LOGS, saved_cases
 
     wanted = load_study(study)
     needed("pyarrow", "parquet", "the table of a study")  # said before the long work
@@ -71,4 +71,4 @@ def sweep(
         )
     written = [result.table, out / "study.toml", report]
     print(f"written: {', '.join(map(str, written))}")
-    return Summary(result.summary(), written)
+    return Summary(result.summary(), written, kept=[out / LOGS])

@@ -8,6 +8,19 @@ from command_line import irb2400
 
 PATH = "x_mm,y_mm,z_mm,i,j,k,feed_mm_s\n1000,0,900,0,0,1,50\n1000,40,900,0,0,1,50\n"
 FEW = ("--rate", "50")
+STUDY = """
+name = "one"
+robot = "irb2400"
+draws = 1
+seed = 1
+logs = true
+controllers = [{ controller = "gravity_pd" }]
+
+[[motions]]
+name = "nod"
+poses_deg = [[0, 0, 0, 0, 30, 0], [5, 5, 5, 5, 35, 5]]
+speeds = [1.0]
+"""
 
 
 def planned(folder: Path, *more: str) -> str:
@@ -45,3 +58,21 @@ def test_inputs_and_files_beside_a_single_one_are_nobodys_result(tmp_path: Path)
     assert refused.returncode == 2
     assert "notes.txt" in refused.stderr
     assert "path.csv" not in refused.stderr.splitlines()[-1]
+
+
+def test_a_result_that_is_stopped_names_the_last_plan(tmp_path: Path) -> None:
+    """Operations that could not be linked left an earlier trajectory.csv, and nothing told."""
+    planned(tmp_path)
+    heavy = ("--links", "--start=0,0,0,0,0,0", "--set", "joints.2.limits.torque_Nm=200")
+    stopped = irb2400("plan", "path.csv", "--out", "out", *FEW, *heavy, cwd=tmp_path)
+    assert "not linked" in stopped.stderr
+    assert "from before, and no result of this command: plan.json" in stopped.stderr
+
+
+def test_logs_of_cases_that_a_study_goes_on_with_are_its_result(tmp_path: Path) -> None:
+    (tmp_path / "study.toml").write_text(STUDY)
+    for _ in range(2):
+        done = irb2400("sweep", "study.toml", "--out", "out", "--workers", "1", cwd=tmp_path)
+        assert done.returncode == 0, done.stderr
+        assert "from before" not in done.stderr
+    assert (tmp_path / "out" / "logs").is_dir()

@@ -222,7 +222,7 @@ def plan(
         "jerk": None if jerk_deg_s3 is None else math.radians(jerk_deg_s3),
     }
     _say_assumed(arm, program, options)
-    chosen = link_options(len(program.operations), links, clearance, approach, start)
+    chosen = link_options(arm, len(program.operations), links, clearance, approach, start)
     job = Job(arm, program, chosen, options, out, rapid_options(rapid, rapid_set, rapid_io))
     return plan_all(job) if _in_parts(job) else _plan_one(job)
 

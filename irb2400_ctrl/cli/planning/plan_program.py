@@ -26,6 +26,7 @@ _CLEARLY = 1.1
 
 
 def link_options(
+    arm: Robot,
     operations: int,
     links: bool | None,
     clearance_mm: float | None,
@@ -35,9 +36,10 @@ def link_options(
     """What the options say; whoever states a height or a start wants the links.
 
     Raises:
-        InputError: a number that cannot be, or one of them together with --no-links.
+        InputError: a number or a start that cannot be, or one of them together with --no-links.
     """
     from irb2400_ctrl.planners import LinkOptions
+    from irb2400_ctrl.planners.linking.link_operations import check_start
     from irb2400_ctrl.planners.linking.link_options import APPROACH, CLEARANCE
 
     stated = [v for v in (clearance_mm, approach_mm, start_deg) if v is not None]
@@ -48,10 +50,13 @@ def link_options(
         )
     if links is None:
         links = operations > 1 or bool(stated)
+    start = None if start_deg is None else _angles(start_deg)
+    if start is not None:
+        check_start(arm, start)  # said before the long work
     return LinkOptions(
         CLEARANCE if clearance_mm is None else 1e-3 * clearance_mm,
         APPROACH if approach_mm is None else 1e-3 * approach_mm,
-        None if start_deg is None else _angles(start_deg),
+        start,
         ends=links,
     )
 

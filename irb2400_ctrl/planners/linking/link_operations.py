@@ -87,12 +87,21 @@ def start_of(robot: Robot, start: Array | None) -> Array:
         middle = (robot.q_min + robot.q_max) / 2
         outside = (zero < robot.q_min) | (zero > robot.q_max)
         return np.where(outside, middle, zero)
+    q = check_start(robot, start)
+    can_hold(Model(robot), "start", q)
+    return q
+
+
+def check_start(robot: Robot, start: Array) -> Array:
+    """The configuration to come from, if the arm has it, whatever it holds.
+
+    Raises:
+        InputError: of another length, or outside the joint box.
+    """
     q = np.asarray(start, dtype=float)
     if q.shape != (robot.n,) or not np.isfinite(q).all():
-        raise InputError(f"start: found {q.shape}, expected {robot.n} finite angles")
-    model = Model(robot)
-    inside_box(model, "start", q)
-    can_hold(model, "start", q)
+        raise InputError(f"start: found {q.size} angles, expected {robot.n} finite ones")
+    inside_box(Model(robot), "start", q)
     return q
 
 
