@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from irb2400_ctrl.diagnosis.preparation.metrics import errors
+from irb2400_ctrl.identification.validation import LogComparison
 
 if TYPE_CHECKING:
     from irb2400_ctrl.identification.identification import LogResult
@@ -19,12 +20,13 @@ LEAST = 200
 """samples of a joint of which a few can be told"""
 
 
-def few_samples(log: LogResult) -> list[str]:
+def few_samples(log: LogResult | LogComparison) -> list[str]:
     """A sentence for each joint where half of what is left, squared, stands in 0.5 % of the
     samples: how much, when, and what is left of the others. An RMSE says nothing of the joint
     then."""
     said = []
-    left = np.where(log.known, log.measured - log.unseen, 0.0)
+    modelled = log.modelled if isinstance(log, LogComparison) else log.unseen
+    left = np.where(log.known, log.measured - modelled, 0.0)
     for j in range(left.shape[1]):
         count = int(log.known[:, j].sum())
         if count < LEAST:
@@ -36,7 +38,7 @@ def few_samples(log: LogResult) -> list[str]:
             continue
         others = log.known.copy()
         others[worst, j] = False
-        rest = errors(log.measured, log.unseen, others).rmse_over_mean_percent[j]
+        rest = errors(log.measured, modelled, others).rmse_over_mean_percent[j]
         at = log.time[worst[-1]] - log.time[0]
         said.append(
             f"joint {j + 1}: {len(worst)} of {count:,} samples make {100 * share:.0f} % of the "

@@ -8,7 +8,9 @@ from typing import Any
 import numpy as np
 import pytest
 
+from irb2400_ctrl.identification import LogComparison, Validation
 from irb2400_ctrl.identification.few_samples import few_samples
+from irb2400_ctrl.report.pages.validation_page import lines, validation_page
 
 
 def log(**spikes: float) -> Any:
@@ -43,3 +45,17 @@ def test_noise_and_what_does_not_count_are_not_said() -> None:
     short.measured[20, 2] += 900.0
     short.known[150:, 2] = False
     assert few_samples(short) == []
+
+
+def test_a_comparison_says_it_too() -> None:
+    one = log(j2=60.0)
+    still = np.zeros_like(one.measured)
+    seen = LogComparison("a.csv", one.time, still, still, one.measured, one.unseen, one.known)
+    [said] = few_samples(seen)
+    told = Validation("arm", (seen,))
+    assert f"note: a.csv: {said}" in lines(told)
+    page = validation_page(told).html()
+    assert said[1:] in page
+    # a third of a per cent was "0"
+    low, high = np.sort(told.error.rmse_over_mean_percent)[[0, -1]]
+    assert f"off by {low:.1f} to {high:.1f} % of the mean torque" in page

@@ -83,7 +83,10 @@ def _sentence(lines: list[SummaryLine]) -> str:
     text = f"{failed} of {total} runs failed; of the others, 95" if failed else "95"
     text += f" % of the runs of {best} stay below {worst[best]:.3f} mm rms on every motion"
     others = len(worst) - 1
-    return f"{text}; no other of {others + 1} controllers does better." if others else f"{text}."
+    if not others:
+        return f"{text}."
+    rest = f"none of the {others} other controllers is" if others > 1 else "the other one is not"
+    return f"{text}; {rest} lower."
 
 
 def _facts(found: Sweep, failed: int) -> list[tuple[str, str]]:

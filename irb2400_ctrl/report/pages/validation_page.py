@@ -8,6 +8,7 @@ import numpy as np
 
 from irb2400_ctrl.diagnosis.preparation.metrics import Errors
 from irb2400_ctrl.identification import LogComparison, Validation
+from irb2400_ctrl.identification.few_samples import few_samples
 from irb2400_ctrl.measurement import Log
 from irb2400_ctrl.report.elements.page import Page, sentence
 from irb2400_ctrl.report.elements.plots import Line, joint_plots, parity, spectrum
@@ -37,7 +38,7 @@ def validation_page(result: Validation, robot: Robot | None = None, log: Log | N
     share = result.error.rmse_over_mean_percent
     worst = int(np.argmax(share))
     page.answer(
-        f"The model is off by {np.min(share):.0f} to {np.max(share):.0f} % of the mean torque, "
+        f"The model is off by {np.min(share):.1f} to {np.max(share):.1f} % of the mean torque, "
         f"most on joint {worst + 1}.",
         "note",
         [(f"joint {j + 1}, RMSE/AVG", f"{value:.1f} %") for j, value in enumerate(share)],
@@ -50,7 +51,7 @@ def validation_page(result: Validation, robot: Robot | None = None, log: Log | N
         if several:
             page.heading(Path(seen.log).name)
             page.table(f"Errors of the torque on {Path(seen.log).name}", *rows(seen.error))
-        for remark in seen.remarks:
+        for remark in (*seen.remarks, *few_samples(seen)):
             page.text(sentence(remark))
         _add_log(page, seen)
     if robot is not None and log is not None:
@@ -121,6 +122,7 @@ def lines(result: Validation) -> list[str]:
         found.append("joint  MAE [Nm]  RMSE [Nm]  AVG [Nm]  RMSE/AVG [%]")
         for joint, mae, rmse, mean, share in rows(error)[1]:
             found.append(f"{joint:>5}{mae:10.3f}{rmse:11.3f}{mean:10.3f}{share:14.2f}")
-    return found + [
-        f"note: {Path(log.log).name}: {remark}" for log in result.logs for remark in log.remarks
-    ]
+    for log in result.logs:
+        said = [*log.remarks, *few_samples(log)]
+        found += [f"note: {Path(log.log).name}: {remark}" for remark in said]
+    return found
