@@ -140,6 +140,10 @@ def _block(
         def build(T: float) -> Block:
             return controller(name, robot, sample_time=T, **wishes)
 
+        if name not in controllers_named():
+            known = ", ".join([*controllers_named(), OBSERVER])
+            raise InputError(f"no controller {name!r}; expected one of {known}")
+
         # as they are, controllers are stable at their own rate; the question costs two seconds
         if sample_time > DESIGNED_AT or set(wishes) - {"tables"}:
             remark = check_sampled_loop(robot, build, sample_time)

@@ -198,10 +198,16 @@ TOOLPATH = "a toolpath (CSV, APT/CLDATA, G-code or Heidenhain's .h)"
 def input_file(path: Path, what: str) -> Path:
     """The path, if a file is there; InputError says what was expected otherwise."""
     from irb2400_ctrl.errors import InputError
+    from irb2400_ctrl.reading.looks_like import CAM_SUFFIXES
 
     if not path.is_file():
         found = "a folder" if path.is_dir() else "nothing"
         raise InputError(f"{path}: found {found}, expected {what}; check the path")
+    if what != TOOLPATH and path.suffix.lower() in CAM_SUFFIXES:
+        raise InputError(
+            f"{path}: found a CAM file, expected {what}; `irb2400 plan` makes a motion of it, "
+            "trajectory.csv"
+        )
     return path
 
 

@@ -5,6 +5,10 @@ from __future__ import annotations
 import re
 from collections.abc import Collection
 
+APT_SUFFIXES = (".apt", ".aptsource", ".cls", ".clsf", ".cl", ".cldata", ".cld", ".ncl")
+GCODE_SUFFIXES = (".nc", ".ngc", ".gcode", ".gc", ".tap", ".cnc", ".mpf", ".iso", ".eia", ".din")
+CAM_SUFFIXES = (*APT_SUFFIXES, *GCODE_SUFFIXES, ".h")
+
 _KINDS = {
     "path": (r"(x|y|z)_(mm|m|in)", 3, "a tool path: `irb2400 plan` makes a motion of it"),
     "motion": (

@@ -192,7 +192,7 @@ def lines(found: dict[str, Any]) -> list[str]:
         text.append("  none known")
     if found["in_diagnosis"]:
         text += _wrapped(
-            f'a motion that separates them: irb2400 excite --for "{found["kind"]}"', ""
+            f"a motion that separates them: irb2400 excite --for {found['kind']} --out next", ""
         )
     return [*text, *(f"note: {words}" for words in found["remarks"])]
 

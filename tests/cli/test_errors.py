@@ -111,6 +111,7 @@ def test_robot_with_two_mistakes_reports_both(tmp_path: Path) -> None:
 def test_unknown_controller_lists_the_known_ones(tmp_path: Path) -> None:
     text = complaint("codegen", "--controller", "magic", "--out", tmp_path / "out", cwd=tmp_path)
     assert "computed_torque" in text
+    assert "momentum_observer" in text
 
 
 def test_help_loads_no_heavy_package(tmp_path: Path) -> None:
@@ -124,3 +125,30 @@ def test_help_loads_no_heavy_package(tmp_path: Path) -> None:
     )
     assert done.stdout.strip() == "[]"
     assert irb2400("--help", cwd=tmp_path).returncode == 0
+
+
+@pytest.mark.parametrize(
+    ("words", "expected"),
+    [
+        (("simulate", "--controller", "pid", "--out", "out"), "a trajectory (CSV)"),
+        (("diagnose", "--out", "out"), "a log"),
+    ],
+)
+def test_a_cam_file_elsewhere_is_called_one(
+    words: tuple[str, ...], expected: str, tmp_path: Path
+) -> None:
+    """A statement without commas was "1 cells, expected 3"."""
+    (tmp_path / "part.apt").write_text("UNITS/MM\nSPINDL/12000,RPM,CLW\nGOTO/1,2,3,0,0,1\n")
+    text = complaint(words[0], "part.apt", *words[1:], cwd=tmp_path)
+    assert f"found a CAM file, expected {expected}" in text
+    assert "irb2400 plan" in text
+
+
+def test_a_start_that_cannot_be_is_refused_before_the_planning(tmp_path: Path) -> None:
+    (tmp_path / "path.csv").write_text(
+        "x_mm,y_mm,z_mm,i,j,k,feed_mm_s\n1000,0,900,0,0,1,50\n1000,9,900,0,0,1,50\n"
+    )
+    for start, said in (("0,1,2", "found 3 angles, expected 6"), ("0,0,500,0,0,0", "axis 3")):
+        text = complaint("plan", "path.csv", "--start", start, "--out", "out", cwd=tmp_path)
+        assert said in text
+        assert list((tmp_path / "out").iterdir()) == []

@@ -157,3 +157,8 @@ def test_the_page_of_an_effect(tmp_path: Path) -> None:
     html = (tmp_path / "report.html").read_text("utf-8")
     assert "What it adds to the torque of joint 2" in html
     assert "What it is taken for" in html
+
+
+def test_the_motion_that_separates_can_be_asked_for_as_printed() -> None:
+    """The line lacked --out, without which excite is refused."""
+    assert "irb2400 excite --for gear_ripple --out next" in "\n".join(lines(explain("gear_ripple")))

@@ -6,13 +6,12 @@ import re
 from pathlib import Path
 
 from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.reading.looks_like import APT_SUFFIXES, GCODE_SUFFIXES
 
 NX = "NX CLSF"
 CREO = "Creo NCL"
 CATIA = "CATIA aptsource"
 HEIDENHAIN = "Heidenhain"
-APT_SUFFIXES = (".apt", ".aptsource", ".cls", ".clsf", ".cl", ".cldata", ".cld", ".ncl")
-GCODE_SUFFIXES = (".nc", ".ngc", ".gcode", ".gc", ".tap", ".cnc", ".mpf", ".iso", ".eia", ".din")
 APT_LINE = re.compile(
     r"^\s*(GOTO|FROM|GODLTA|FEDRAT|CIRCLE|MOVARC|CYCLE|SPINDL|COOLNT|LOADTL|CUTTER|UNITS|PARTNO"
     r"|MULTAX|TOOL PATH|TLDATA|MSYS|PAINT|MACHIN|LOAD|CUTCOM|NURBS|TLON|INTOL|OUTTOL|PPRINT)\s*/",
