@@ -38,7 +38,7 @@ names = [
     "adaptive",
 ]
 motions = [circle(speed) for speed in speeds]
-figure, axes = plt.subplots(figsize=(7, 4.5))
+figure, axes = plt.subplots(figsize=(9, 4.5))
 print("TCP error [mm rms] at", speeds, "m/s: median of 20 arms (least to largest)")
 medians = {}
 for name in names:
@@ -54,11 +54,14 @@ for k, speed in enumerate(speeds):
     best = sorted(names, key=lambda name: medians[name][k])
     print(f"{1e3 * speed:.0f} mm/s: {best[0]} is best in the median, then {best[1]}")
 axes.set(
-    xlabel="mean speed of the tool [mm/s]", ylabel="TCP error [mm rms]", title="Circle of 200 mm"
+    xlabel="mean speed of the tool [mm/s]",
+    ylabel="TCP error [mm rms]",
+    title="Circle, 200 mm across",
 )
 axes.set_xticks([1e3 * s for s in speeds], [f"{1e3 * s:.0f}" for s in speeds])
+axes.set_yticks(ticks := [0.2, 0.5, 1, 2, 5, 10], [f"{t:g}" for t in ticks])
 axes.minorticks_off()
 axes.grid(alpha=0.3)
-axes.legend()
+axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))
 figure.tight_layout()
 figure.savefig("control_02_speed.png", dpi=120)

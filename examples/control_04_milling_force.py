@@ -47,7 +47,7 @@ for name in ("computed_torque", "computed_torque_integral"):
     )
     (line,) = top.plot(run.time, np.median(pushed, axis=0), label=name)
     top.fill_between(run.time, np.min(pushed, axis=0), np.max(pushed, axis=0), alpha=0.2)
-top.set(ylabel="displacement of the TCP [mm]", title="Milling force of 80, -40, 120 N")
+top.set(ylabel="displacement of the TCP [mm]", title="Milling force of 80, -40, 120 N in mean")
 top.legend()
 
 observer = compile_block(momentum_observer(robot, bandwidth=60.0))

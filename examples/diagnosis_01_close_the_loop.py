@@ -23,7 +23,9 @@ robot = irb.load_robot("irb2400")
 found = diagnose(robot, log, validation=other)
 print("verdict:", found.verdict)
 for finding in found.findings:
-    print(f"{finding.sentence} {finding.effect.parameters()}, confidence {finding.confidence:.2f}")
+    print(f"{finding.sentence} Confidence {finding.confidence:.2f}")
+    for name, error in finding.standard_errors.items():
+        print(f"   {name} {getattr(finding.effect, name):.3f}, standard error {error:.3f}")
     print("   not excluded:", ", ".join(finding.alternatives) or "nothing")
 
 # 3. does it hold on the other motion? the error there, against the noise
@@ -49,7 +51,7 @@ for name, run in loop.runs.items():
 
 curve = found.findings[0].curve
 j = curve.joint - 1
-figure, (left, middle, right) = plt.subplots(1, 3, figsize=(14, 4))
+figure, (left, middle, right) = plt.subplots(1, 3, figsize=(14, 4.5))
 for name, tau, color in (
     ("as given", compared.before, "tab:red"),
     ("as diagnosed", compared.after, "tab:blue"),
@@ -79,6 +81,6 @@ right.set(
 )
 for axis in (left, middle, right):
     axis.grid(alpha=0.3)
-    axis.legend(fontsize="small")
+    axis.legend(fontsize="small", loc="upper center", bbox_to_anchor=(0.5, -0.16))
 figure.tight_layout()
 figure.savefig("diagnosis_01_close_the_loop.png", dpi=120)
