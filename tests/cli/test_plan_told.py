@@ -37,6 +37,9 @@ def test_a_linked_plan_says_its_clearance_and_its_deviation(folder: Path) -> Non
     assert most > 0.055
     assert f"the TCP leaves the path by up to {most:.3f} mm, 0.05 mm were asked for" in told
     assert "straight between rows the TCP cuts curves" in told
+    # the report is what is passed on, and its head said that all is well
+    assert f"leaves the path by up to {most:.3f} mm" in (folder / "links/report.html").read_text()
+    assert "written to links: program.json, trajectory.csv, plan.json, report.html and" in told
 
 
 def test_an_acceleration_is_told_beside_speed_and_torque(folder: Path) -> None:

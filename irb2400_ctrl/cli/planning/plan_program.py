@@ -21,10 +21,6 @@ if TYPE_CHECKING:
     from irb2400_ctrl.robot import Robot
 
 
-# a bound is a little above what is reached, and rows cut corners anew
-_CLEARLY = 1.1
-
-
 def link_options(
     arm: Robot,
     operations: int,
@@ -169,7 +165,7 @@ def _told(found: ProgramPlan, job: Job, written: Sequence[Path]) -> Summary:
             print(f"{done.folder}: {points} points, {done.duration:.2f} s")
     if found.motion is not None:
         print_motion(found.motion, found.program.name, job.options["tolerance"])
-    print(f"written to {job.out}: {_files(found)}")
+    print(f"written to {job.out}: {_files(written, job.out)}")
     whole = {} if found.motion is None else found.motion.summary()
     return Summary({**whole, "program": found.summary()}, written, _refusal(found))
 
@@ -217,15 +213,10 @@ def held(s: dict[str, Any]) -> str:
 
 def print_deviation(s: dict[str, Any], tolerance: float) -> None:
     """How far the rows leave the path, where that is clearly more than was asked for [m]."""
-    most = s["max_tcp_deviation_mm"]
-    if most <= _CLEARLY * 1e3 * tolerance:
-        return
-    why = "; straight between rows the TCP cuts curves" if s["interpolation"] == "linear" else ""
-    print(
-        f"the TCP leaves the path by up to {most:.3f} mm, {1e3 * tolerance:g} mm were asked for"
-        f"{why}; a smaller --tolerance-mm makes corners of more bends, more rows (--rate) or a "
-        "lower feed bring the rest nearer"
-    )
+    from irb2400_ctrl.report.pages.plan_page import deviation_words
+
+    if said := deviation_words(s, tolerance):
+        print(said)
 
 
 def print_clearance(found: dict[str, Any]) -> None:
@@ -277,15 +268,16 @@ def report(
     cell = options.get("cell")
     # a program may change its tool; the picture of the whole has the one that was asked for
     tool = None if cell is None or options.get("tool") is None else cell.tool(options["tool"])
-    page = plan_page(planned, title, arm, cell, tool)
+    page = plan_page(planned, title, arm, cell, tool, options["tolerance"])
     page.provenance(provenance(arm))
     page.write(out / "report.html")
     return "report.html"
 
 
-def _files(found: ProgramPlan) -> str:
-    whole = "trajectory.csv, plan.json, " if found.motion is not None else ""
-    return f"{whole}program.json and a folder per operation"
+def _files(written: Sequence[Path], out: Path) -> str:
+    """What lies in the folder itself; those of the operations in a word."""
+    names = [path.name for path in written if path.parent == out]
+    return f"{', '.join(names)} and a folder per operation"
 
 
 def _refusal(found: ProgramPlan) -> InputError | None:

@@ -28,8 +28,10 @@ WORDS = {
     "effect": "A piece of physics that the model may lack: a law, its numbers, and a joint.",
     "wrist singularity": "Axes 4 and 6 in line (axis 5 at zero): a small turn of the tool needs a "
     "large one of the joints. Its margin is |sin q5|.",
-    "shoulder singularity": "The wrist on the line of axis 1; its margin is the distance [m].",
-    "elbow singularity": "The arm stretched out; its margin is a length that is zero there [m].",
+    "shoulder singularity": "The wrist on the line of axis 1; its margin is the distance [m], or "
+    "its part of the largest one [-].",
+    "elbow singularity": "The arm stretched out; its margin is a length that is zero there [m], "
+    "or its part of the largest one [-].",
     "guaranteed": "Shown by bounds that hold between the samples too, for the rows of the file as "
     "the controller reads them; not by looking at many points.",
     "clearance": "Smallest distance between two bodies that are not neighbours: of the arm, and of "

@@ -15,6 +15,9 @@ from irb2400_ctrl.report.figures.rotation_figure import rotation_figure
 from irb2400_ctrl.robot import Robot
 from irb2400_ctrl.typed import typed
 
+# a bound is a little above what is reached, and rows cut corners anew
+_CLEARLY = 1.1
+
 
 @typed
 def plan_page(
@@ -23,6 +26,7 @@ def plan_page(
     robot: Robot | None = None,
     cell: Cell | None = None,
     tool: CellTool | None = None,
+    tolerance: float | None = None,
 ) -> Page:
     """The whole report.
 
@@ -32,10 +36,13 @@ def plan_page(
         robot: the arm with the TCP of its file, where a cell's tool takes its place.
         cell: what stands around the arm.
         tool: of the cell, in the spindle.
+        tolerance: how far corners might be cut [m]; None where nobody said.
     """
     page = Page(title)
     summary = found.summary()
     page.answer(sentence(summary), "good" if summary["guaranteed"] else "note", facts(summary))
+    if tolerance is not None and (said := deviation_words(summary, tolerance)):
+        page.finding(f"{said[0].upper()}{said[1:]}.")
     add_plan(page, found, robot, cell, tool)
     return page
 
@@ -108,6 +115,20 @@ def sentence(summary: Mapping[str, Any]) -> str:
         return f"{told}; no torque passes its limit at any instant (guaranteed)."
     note = summary["guarantee_note"]
     return f"{told}; the torque bound is not guaranteed" + (f": {note}." if note else ".")
+
+
+def deviation_words(summary: Mapping[str, Any], tolerance: float) -> str | None:
+    """How far the rows leave the path, where that is clearly more than was asked for [m]."""
+    most = summary["max_tcp_deviation_mm"]
+    if most <= _CLEARLY * 1e3 * tolerance:
+        return None
+    linear = summary["interpolation"] == "linear"
+    why = "; straight between rows the TCP cuts curves" if linear else ""
+    return (
+        f"the TCP leaves the path by up to {most:.3f} mm, {1e3 * tolerance:g} mm were asked for"
+        f"{why}; a smaller --tolerance-mm makes corners of more bends, more rows (--rate) or a "
+        "lower feed bring the rest nearer"
+    )
 
 
 def facts(summary: Mapping[str, Any]) -> list[tuple[str, str]]:
