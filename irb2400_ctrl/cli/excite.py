@@ -69,6 +69,6 @@ def _for_identify(robot: str, seconds: float, joint: int | None, out: Path) -> S
         found = excite_identification(arm, seconds=seconds, progress=progress)
         progress("writing")
         paths = found.write(out)
-    print("\n".join(found.lines()))
+    print("\n".join(found.lines(robot)))
     print("written: " + ", ".join(str(path) for path in paths))
     return Summary(found.summary(), paths)

@@ -52,13 +52,13 @@ def explain(
         print("\n".join(overview_lines(kinds)))
         return Summary({"effects": kinds})
     found = words_of(kind)
-    print("\n".join(lines(found)))
+    print("\n".join(lines(found, robot)))
     if out is None:
         return Summary(found)
     from irb2400_ctrl.report.pages.effect_page import effect_page
 
     output_folder(out)
-    page = effect_page(found)
+    page = effect_page(found, robot)
     page.provenance(provenance())
     written = page.write(out / "report.html")
     print(f"written: {written}")

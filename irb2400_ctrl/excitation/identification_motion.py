@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -77,18 +78,19 @@ class IdentificationMotion:
             "friction_speeds_rad_s": [speeds.tolist() for speeds in self.runs.speeds],
         }
 
-    def lines(self) -> list[str]:
-        """For the terminal."""
+    def lines(self, robot: str = "irb2400") -> list[str]:
+        """For the terminal; `robot` is the name or the file by which the arm was asked for."""
         before, after = self.condition
+        of = "" if robot == "irb2400" else f" --robot {shlex.quote(robot)}"
         return [
             f"motion of {self.course.duration:.1f} s: condition number {after:.0f} (standard "
-            f"motion {before:.0f}); the number it shows least stands out {self.distances[1][0]:.0f}"
-            f" standard errors ({self.distances[0][0]:.0f})",
+            f"motion {before:.0f}); the number it shows least stands out "
+            f"{self.distances[1][0]:.2g} standard errors ({self.distances[0][0]:.2g})",
             f"torque at most {100 * self.extent.torque:.0f} % of its limit, speed "
             f"{100 * self.extent.speed:.0f} %",
             f"slow runs of {self.runs.course.duration:.0f} s: {len(self.runs.speeds[0])} speeds of "
             f"every joint from {self.runs.speeds[0][0]:.3g} rad/s, both ways (eq. 74, thinned)",
-            "record both, then: irb2400 identify MOTION_LOG RUNS_LOG --out arm",
+            f"record both, then: irb2400 identify MOTION_LOG RUNS_LOG{of} --out arm",
         ]
 
     def write(self, out: Path | str) -> list[Path]:

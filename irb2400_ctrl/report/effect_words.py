@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import inspect
 import re
+import shlex
 import textwrap
 from typing import Any
 
@@ -163,8 +164,19 @@ def overview_lines(found: list[dict[str, str]]) -> list[str]:
     return [f"{one['kind']:<{width}}  {one['sentence']}" for one in found]
 
 
-def lines(found: dict[str, Any]) -> list[str]:
-    """An explanation for a terminal."""
+def excite_line(kind: str, robot: str | None = None) -> str:
+    """The command that plans the motion which separates an effect from its look-alikes.
+
+    Args:
+        kind: of the effect.
+        robot: the file that brings it along.
+    """
+    of = "" if robot is None else f" --robot {shlex.quote(robot)}"
+    return f"irb2400 excite --for {kind}{of} --out next"
+
+
+def lines(found: dict[str, Any], robot: str | None = None) -> list[str]:
+    """An explanation for a terminal; `robot` as of `excite_line`."""
     text = [
         f"{found['kind']}: {found['sentence']}",
         "",
@@ -191,9 +203,7 @@ def lines(found: dict[str, Any]) -> list[str]:
     if not found["look_alikes"]:
         text.append("  none known")
     if found["in_diagnosis"]:
-        text += _wrapped(
-            f"a motion that separates them: irb2400 excite --for {found['kind']} --out next", ""
-        )
+        text += _wrapped(f"a motion that separates them: {excite_line(found['kind'], robot)}", "")
     return [*text, *(f"note: {words}" for words in found["remarks"])]
 
 

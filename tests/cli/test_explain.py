@@ -16,7 +16,7 @@ from irb2400_ctrl.effects import LIBRARY, Search, registry
 from irb2400_ctrl.effects.base import COMMON, Acts, Link
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.report import effect_words
-from irb2400_ctrl.report.effect_words import explain, lines, overview
+from irb2400_ctrl.report.effect_words import excite_line, explain, lines, overview
 
 OWN = '''
 """A hose."""
@@ -161,4 +161,7 @@ def test_the_page_of_an_effect(tmp_path: Path) -> None:
 
 def test_the_motion_that_separates_can_be_asked_for_as_printed() -> None:
     """The line lacked --out, without which excite is refused."""
-    assert "irb2400 excite --for gear_ripple --out next" in "\n".join(lines(explain("gear_ripple")))
+    assert excite_line("gear_ripple") == "irb2400 excite --for gear_ripple --out next"
+    assert excite_line("gear_ripple") in "\n".join(lines(explain("gear_ripple")))
+    named = excite_line("hose", "my arm.toml")
+    assert named == "irb2400 excite --for hose --robot 'my arm.toml' --out next"

@@ -94,3 +94,10 @@ def test_plan_run_identify_closes() -> None:
     for curve in (curve for curve in found.friction if curve.shows_rise):
         truth = case.machine.friction[curve.joint - 1]
         np.testing.assert_allclose(curve.law[:2], truth[:2], rtol=0.03)
+
+
+def test_the_next_command_is_for_the_robot_that_was_given() -> None:
+    """As printed it identified the IRB 2400 from the logs of another arm."""
+    assert planned().lines()[-1].endswith("identify MOTION_LOG RUNS_LOG --out arm")
+    named = planned().lines("my arm.toml")[-1]
+    assert named.endswith("identify MOTION_LOG RUNS_LOG --robot 'my arm.toml' --out arm")

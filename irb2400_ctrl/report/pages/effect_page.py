@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from irb2400_ctrl.report.effect_words import excite_line
 from irb2400_ctrl.report.elements.page import Page, sentence
 from irb2400_ctrl.report.figures.effect_figure import effect_figure
 
@@ -14,11 +15,12 @@ SHOWN = (
 )
 
 
-def effect_page(found: Mapping[str, Any]) -> Page:
+def effect_page(found: Mapping[str, Any], robot: str | None = None) -> Page:
     """The page.
 
     Args:
         found: of `report.effect_words.explain`.
+        robot: the file that brings the effect along.
     """
     page = Page(f"The effect {found['kind']}")
     page.answer(
@@ -50,7 +52,7 @@ def effect_page(found: Mapping[str, Any]) -> Page:
         ]
         head = ["effect", "what it is", "told apart by", "where no motion helps"]
         page.table("Look-alikes", head, others)
-        page.text(f"A motion that separates them: irb2400 excite --for {found['kind']} --out next")
+        page.text(f"A motion that separates them: {excite_line(found['kind'], robot)}")
     for remark in found["remarks"]:
         page.text(sentence(remark))
     return page
