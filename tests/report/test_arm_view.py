@@ -11,6 +11,7 @@ import numpy.typing as npt
 from irb2400_ctrl import load_robot
 from irb2400_ctrl.cell import Cell, load_cell
 from irb2400_ctrl.report import ArmView
+from irb2400_ctrl.report.elements.arm_view import Colouring
 
 ROBOT = load_robot("irb2400")
 CELL = """schema_version = 1
@@ -97,3 +98,13 @@ def test_an_arm_that_hangs_is_shown_hanging() -> None:
     np.testing.assert_allclose(np.abs(poses[1][:, 0, 3:]), [[1, 0, 0, 0]] * len(below), atol=1e-6)
     thin = np.frombuffer(base64.b64decode(shown[1]["reference"]), dtype="<f4").reshape(-1, 3)
     np.testing.assert_allclose(thin, [[1, -1, -1]] * len(thin), atol=1e-6)
+
+
+def test_the_colours_end_at_the_largest_value_of_all() -> None:
+    """Beside "1.711 mm at most" the scale ended at 1.697, that of the poses that are sent."""
+    time = np.linspace(0.0, 30.0, 30_001)
+    error = np.zeros(len(time))
+    error[1234] = 1.711
+    q = np.zeros((len(time), ROBOT.n))
+    view = ArmView(ROBOT, time, q, (Colouring("TCP error", "mm", error, 3),))
+    assert view.data()["fields"][0]["high"] == 1.711

@@ -146,14 +146,15 @@ class ArmView:
         return 0.0 if known is None else known / 1e3
 
     def _field(self, one: Colouring, time: Array) -> dict[str, Any]:
-        values = np.interp(time, self.time, np.nan_to_num(one.values))
+        # the ends are those of the motion: between two poses that are sent there may be more
+        whole = np.nan_to_num(one.values)
         return {
             "name": one.name,
             "unit": one.unit,
             "digits": one.digits,
-            "low": float(values.min()) if one.high is None else 0.0,
-            "high": float(values.max()) if one.high is None else one.high,
-            "values": _packed(values),
+            "low": float(whole.min()) if one.high is None else 0.0,
+            "high": float(whole.max()) if one.high is None else one.high,
+            "values": _packed(np.interp(time, self.time, whole)),
         }
 
 
