@@ -62,8 +62,6 @@ def simulate(
 
     arm = load_arm(robot)
     motion = load_trajectory(trajectory)
-    if doubt := planned_for_another(arm, motion):
-        print(f"irb2400: {trajectory}: {doubt}", file=sys.stderr)
     other = None if plant is None else load_arm(plant)
     block = make_controller(controller, arm)
     with step(f"simulating {controller}"):
@@ -72,6 +70,8 @@ def simulate(
         page.provenance(provenance(arm, seed=simulation.seed))
         simulation.write(out)
         page.write(out / "report.html")
+    if doubt := planned_for_another(arm, motion):
+        print(f"irb2400: {trajectory}: {doubt}", file=sys.stderr)
     summary = simulation.summary()
     print("\n".join(_lines(controller, summary)))
     written = [out / name for name in ("log.csv", "simulation.json", "report.html")]
