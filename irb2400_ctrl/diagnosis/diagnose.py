@@ -87,7 +87,7 @@ def diagnose(
 
     Raises:
         InputError: the log does not fit the robot, is too short, or is broken; the validation is
-            not understood.
+            not understood, or the log itself.
     """
     change = reference is not None
     robot = robot if reference is None else reference
@@ -98,7 +98,7 @@ def diagnose(
         if logs.problem is not None:
             return _not_understood(robot, logs, logs.problem)
         if validation is not None:
-            check_beside(robot, validation)
+            check_beside(robot, validation, logs.used)
         return _searched(robot, logs, validation, uncertainty, criteria, progress, change)
 
 

@@ -73,7 +73,11 @@ def sound_logs(robot: Robot, logs: Sequence[Log]) -> SoundLogs:
     off: set[int] = set()
     left_out = []
     problems = []
-    for log in logs:
+    for place, log in enumerate(logs):
+        twice = next((other.name for other in logs[:place] if log.is_copy_of(other)), None)
+        if twice is not None:
+            left_out.append(LeftOut(log.name, f"its samples are those of {twice}"))
+            continue
         try:
             seen = _looked_at(robot, log, SHORTEST_SECONDS)
         except InputError as error:
@@ -103,12 +107,24 @@ def sound_logs(robot: Robot, logs: Sequence[Log]) -> SoundLogs:
     )
 
 
-def check_beside(robot: Robot, log: Log) -> None:
-    """A log that only judges must be sound.
+def check_beside(robot: Robot, log: Log, learned: Sequence[Log]) -> None:
+    """A log that only judges must be sound, and none of those that are learned from.
+
+    Args:
+        robot: the arm.
+        log: that judges.
+        learned: the others.
 
     Raises:
-        InputError: it is not.
+        InputError: it is not sound, or one of them.
     """
+    copied = next((other.name for other in learned if log.is_copy_of(other)), None)
+    if copied is not None:
+        raise InputError(
+            f"{log.name}: found the samples of {copied}, which is diagnosed, expected another "
+            "motion of the same arm: a log is no judge of what was learned from it (leave the "
+            "validation out where there is no other)"
+        )
     problem = _looked_at(robot, log, 0.0).problem
     if problem is not None:
         raise InputError(f"{log.name}: {problem.says}; try `irb2400 log check`")

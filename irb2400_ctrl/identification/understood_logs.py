@@ -57,7 +57,11 @@ def understood_logs(robot: Robot, logs: Sequence[Log]) -> UnderstoodLogs:
     doubts = {}
     remarkable: list[str] = []
     off: set[int] = set()
-    for log in logs:
+    for place, log in enumerate(logs):
+        twice = next((other.name for other in logs[:place] if log.is_copy_of(other)), None)
+        if twice is not None:
+            remarkable.append(f"left out {log.name}: the samples are those of {twice}")
+            continue
         found = examined(robot, log)
         problem = found.problem
         if problem is None or problem.kind == FAR_FROM_THE_FILE:

@@ -150,6 +150,10 @@ class Log:
         """From the first to the last sample [s]."""
         return float(self.time[-1] - self.time[0])
 
+    def is_copy_of(self, other: Log) -> bool:
+        """Whether angles and torques are the same, sample for sample, under whatever name."""
+        return np.array_equal(self.q, other.q) and np.array_equal(self.tau, other.tau)
+
 
 def _unit_of(rate: float) -> str:
     """The unit of time by which so many samples a second are those of a recorder."""

@@ -133,3 +133,16 @@ def test_the_terminal_says_what_is_special(tmp_path: Path) -> None:
     assert "what is special on this arm:" in text
     assert "gear_ripple on joint 4" in text
     assert "2 logs together" in text
+
+
+def test_a_copy_neither_counts_again_nor_judges() -> None:
+    """`--validate` with the diagnosed log itself called it the other motion of the arm."""
+    first, second = logs()
+    copy = Log(first.time, first.q, first.tau, q_ref=first.q_ref, name="copy")
+    found = sound_logs(ROBOT, [first, copy, second])
+    assert [one.name for one in found.used] == ["first", "second"]
+    assert [(one.name, one.why) for one in found.left_out] == [
+        ("copy", "its samples are those of first")
+    ]
+    with pytest.raises(InputError, match="copy: found the samples of first, which is diagnosed"):
+        diagnose(ROBOT, first, validation=copy)

@@ -64,3 +64,11 @@ def test_bodies_far_off_are_what_is_identified() -> None:
 def test_another_robot_is_not_identified(log: irb.Log) -> None:
     with pytest.raises(InputError, match=r"more than half of the torque of joints? .* is left"):
         irb.identify(irb.load_robot("ur10e"), log)
+
+
+def test_a_log_under_two_names_counts_once(log: irb.Log) -> None:
+    """Twice the same samples made numbers surer than the log does."""
+    robot = irb.load_robot("irb2400")
+    found = irb.identify(robot, [log, with_torque(log, 1.0, "copy")])
+    assert found.notes[0] == f"left out copy: the samples are those of {log.name}"
+    assert [result.name for result in found.logs] == [log.name]
