@@ -171,7 +171,8 @@ def plan_ways(
         )
     with clock.stage("margins"):
         margins = margins_as_read(model, orientation, scene, best, settled)
-        seen = mapped(model, orientation, scene, best.choice) if options.mapped else None
+        way_of = best.path.tcp.way
+        seen = mapped(model, orientation, scene, best.choice, way_of) if options.mapped else None
     return replace(
         planned,
         rail=options.rail,

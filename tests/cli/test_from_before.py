@@ -27,6 +27,7 @@ def planned(folder: Path, *more: str) -> str:
     (folder / "path.csv").write_text(PATH)
     done = irb2400("plan", "path.csv", "--out", "out", *FEW, *more, cwd=folder)
     assert done.returncode == 0, done.stderr
+    assert ("rotation_map.json" in done.stdout) == ("--map" in more)
     return done.stderr
 
 

@@ -42,6 +42,17 @@ def test_the_map_spans_the_path_and_the_circle(plan: Plan) -> None:
     assert not found.limit[np.arange(len(near)), near].any()
 
 
+def test_the_way_is_the_tip_s_where_the_tool_tilts() -> None:
+    """It counted the tilting: the map of the raster that comes along was 3461 mm long, of 2821."""
+    y = np.linspace(-0.1, 0.1, 21)
+    points = np.stack([0.9 + 0 * y, y, 0.5 + 0 * y], axis=1)
+    tilt = 0.3 * np.sin(30.0 * y)
+    axes = np.stack([np.sin(tilt), 0 * y, np.cos(tilt)], axis=1)
+    path = builders.way_points(points, axes, feed=0.1)
+    tilted = plan_path(ROBOT, path, torque_rate=np.inf, rotation_map=True)
+    assert of(tilted).way[[0, -1]] == pytest.approx([0.0, tilted.length], abs=1e-4)
+
+
 def test_each_place_is_what_the_arm_says_of_it(plan: Plan) -> None:
     """Every fifth place by the closed form of a single pose, all branches, against the map."""
     found = of(plan)

@@ -305,6 +305,8 @@ def _plan_one(job: Job) -> Summary:
         planned.write(job.out)
         page = report(planned, job.out, job.arm, f"Plan of {job.program.name}", options)
         written = ["trajectory.csv", "plan.json", page]
+        if planned.rotation_map is not None:
+            written.append("rotation_map.json")
         if job.rapid is not None:
             frame = frame_of(options)
             written += write_plan_module(planned, operation, job.rapid, frame, job.out)

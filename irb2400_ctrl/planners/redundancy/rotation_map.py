@@ -6,6 +6,7 @@ chosen line runs where it does, and where else it could.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -28,6 +29,8 @@ LIMITS = ("", "out of reach", "joint limits", "collision", "singularity", "torqu
 SINGULAR = 0.02
 """relative margin below which a place is called a singularity [-]"""
 _MOST_STATIONS = 240
+_MOVES = 0.1
+"""of the length of the path, below which the TCP stands and the tool turns"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,7 +38,7 @@ class RotationMap:
     """n stations along a path and r tool rotations."""
 
     way: Array
-    """length along the TCP's curve [m], shape (n,)"""
+    """length of the TCP's way [m], shape (n,)"""
     rotation: Array
     """[rad], shape (r,)"""
     chosen: Array
@@ -60,7 +63,11 @@ class RotationMap:
 
 
 def rotation_map(
-    model: Model, orientation: Orientation, scene: Scene | None, choice: Choice
+    model: Model,
+    orientation: Orientation,
+    scene: Scene | None,
+    choice: Choice,
+    way_of: Callable[[Array], Array],
 ) -> RotationMap:
     """The map around a chosen motion, in its posture.
 
@@ -69,11 +76,14 @@ def rotation_map(
         orientation: the tool path, placed and smoothed.
         scene: the arm in its cell; None where nothing is known of the space that it takes up.
         choice: the motion.
+        way_of: from lengths along the path, which count the tool's turning, too, to those of the
+            TCP's way [m].
     """
     curve = orientation.curve
     u = stations(orientation)
     u = u[np.unique(np.linspace(0, len(u) - 1, min(len(u), _MOST_STATIONS)).astype(int))]
     s = arc_length(curve, u)
+    way = way_of(s)
     chosen = np.asarray(choice.rotation(s), dtype=float)
     q = _of_posture(model, orientation, u, choice)
     known = np.isfinite(q).all(axis=2)
@@ -83,7 +93,7 @@ def rotation_map(
     parts[0] = part_of_comfort("joint_limits_deg", np.degrees(room))
     singular = relative_margins(model, q[known]).min(axis=1)
     parts[1][known] = part_of_comfort("singularity", singular)
-    kept, left = feed_and_torque(model, q[known], _rate(orientation, u, s, q)[known])
+    kept, left = feed_and_torque(model, q[known], _rate(orientation, u, _steps(s, way), q)[known])
     parts[2][known] = np.minimum(part_of_comfort("torque_left", left), kept)
     met = (("feed", kept < 1.0), ("torque", left <= 0), ("singularity", singular < SINGULAR))
     for name, where in met:
@@ -93,7 +103,7 @@ def rotation_map(
     limit[boxed & (parts[3] <= 0)] = LIMITS.index("collision")
     limit[known & ~boxed] = LIMITS.index("joint limits")
     worth = np.where(known, np.fmin.reduce(parts), np.nan)
-    return RotationMap(s, GRID, chosen, worth, limit.astype(np.int64))
+    return RotationMap(way, GRID, chosen, worth, limit.astype(np.int64))
 
 
 def _of_posture(model: Model, orientation: Orientation, u: Array, choice: Choice) -> Array:
@@ -112,13 +122,28 @@ def _of_posture(model: Model, orientation: Orientation, u: Array, choice: Choice
     return middled(model, every[np.arange(n), :, branch])
 
 
-def _rate(orientation: Orientation, u: Array, s: Array, q: Array) -> Array:
+def _steps(s: Array, way: Array) -> Array:
+    """Which length the feed counts between stations [m], shape (n - 1,): the TCP's, but where it
+    hardly moves, as the tool turns on the spot, that of the path."""
+    along = np.diff(s)
+    moved = np.diff(way)
+    return np.maximum(np.where(moved > _MOVES * along, moved, along), 1e-9)
+
+
+def _rate(orientation: Orientation, u: Array, steps: Array, q: Array) -> Array:
     """Joint speeds at the feed with a constant rotation, zero where no feed is stated, [rad/s],
-    shape (n, r, joints)."""
+    shape (n, r, joints).
+
+    Args:
+        orientation: the tool path.
+        u: stations, shape (n,).
+        steps: lengths between them that the feed counts [m], shape (n - 1,).
+        q: configurations, shape (n, r, joints).
+    """
     curve = orientation.curve
     step = np.diff(q, axis=0)
     step -= 2 * np.pi * np.round(step / (2 * np.pi))
-    slope = step / np.maximum(np.diff(s), 1e-9)[:, None, None]
+    slope = step / steps[:, None, None]
     # of the two neighbours the steeper one; at an end, or beside a gap, the only one
     before = np.concatenate([np.zeros_like(slope[:1]), slope])
     after = np.concatenate([slope, np.zeros_like(slope[:1])])
