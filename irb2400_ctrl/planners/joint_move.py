@@ -25,6 +25,7 @@ RAMP_TIME = 0.05
 # torque is checked at instants, not enclosed: this share is kept free for what lies between them
 # [-]
 FREE_SHARE = 0.002
+LEAST_INERTIA = 1e-12  # an axis that has less turns nothing [kg m2]
 _SCALES = np.geomspace(4.0, 0.02, 14)
 _SPEED_SHARES = (1.0, 0.7, 0.5, 0.3, 0.15)
 
@@ -124,7 +125,7 @@ def joint_move(
     else:
         stated = _vector("qdd_max", qdd_max, robot.n, positive=True)
     known = np.isfinite(stated)
-    box = stated if known.all() else np.where(known, stated, _accelerations(model, start, target))
+    box = stated if known.all() else _accelerations(model, start, target, stated)
     if qddd_max is None:
         jerk = box / RAMP_TIME
     else:
@@ -168,15 +169,31 @@ def _limits_of_file(robot: Robot) -> Array:
     return np.array([np.inf if value is None else np.radians(value) for value in values])
 
 
-def _accelerations(model: Model, start: Array, target: Array) -> Array:
-    """What gravity and friction leave to each axis alone along the straight line in joint space
-    [rad/s2]."""
+def _accelerations(model: Model, start: Array, target: Array, stated: Array) -> Array:
+    """What is stated, and where that is infinite what gravity and friction leave to each axis alone
+    along the straight line in joint space [rad/s2].
+
+    Args:
+        model: the arm.
+        start, target: ends of the line [rad], shape (n,).
+        stated: accelerations [rad/s2], shape (n,).
+
+    Raises:
+        InputError: an axis of which nothing is stated and that turns nothing with an inertia.
+    """
     q = start + np.linspace(0.0, 1.0, 9)[:, None] * (target - start)
     limit = model.robot.tau_max
     left = limit - np.abs(model.gravity(q)).max(axis=0) - np.abs(model.friction(model.robot.qd_max))
     inertia = np.diagonal(model.mass_matrix(q), axis1=1, axis2=2).max(axis=0)
-    found: Array = np.maximum(left, 0.1 * limit) / inertia
-    return found
+    idle = ~np.isfinite(stated) & (inertia < LEAST_INERTIA)
+    if idle.any():
+        raise InputError(
+            f"axis {int(np.argmax(idle)) + 1} turns nothing that has an inertia in the file of "
+            f"{model.robot.name}, so no torque limits its acceleration; expected qdd_max, or "
+            "acceleration_deg_s2 in its limits"
+        )
+    alone = np.maximum(left, 0.1 * limit) / np.maximum(inertia, LEAST_INERTIA)
+    return np.where(np.isfinite(stated), stated, alone)
 
 
 @dataclass(frozen=True)

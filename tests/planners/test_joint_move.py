@@ -208,3 +208,19 @@ def test_too_fast_towards_the_end_of_the_box_is_refused(model: irb.Model) -> Non
     near[0] = np.radians(178.0)
     with pytest.raises(InfeasibleError, match=r"swings out of the joint box.*axis 1"):
         joint_move(model, near, HOME, qd_start=np.radians([140.0, 0, 0, 0, 0, 0]))
+
+
+def test_an_axis_without_inertia_is_refused_or_stated() -> None:
+    """Bodies that are points on their axis: a division by zero, then an acceleration of inf."""
+    robot = irb.load_robot("irb2400")
+    nothing = robot.tool.body.model_copy(
+        update={"com_m": (0.0, 0.0, 0.1), "inertia_kgm2": (0.0,) * 6}
+    )
+    last = robot.links[-1].model_copy(update={"body": nothing})
+    tool = robot.tool.model_copy(update={"body": nothing})
+    point = irb.Model(robot.model_copy(update={"links": (*robot.links[:-1], last), "tool": tool}))
+    goal = [0.1, 0.1, 0.1, 0.1, 0.6, 0.1]
+    with pytest.raises(InputError, match=r"axis 6 turns nothing.*expected qdd_max"):
+        joint_move(point, [0, 0, 0, 0, 0.5, 0], goal)
+    stated = joint_move(point, [0, 0, 0, 0, 0.5, 0], goal, qdd_max=[2.0] * 6)
+    assert np.abs(stated.qdd).max() <= 2.0 + 1e-9
