@@ -185,7 +185,7 @@ class Comparison:
         }
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Diagnosis(Displayed):
     """The answer to: what does this log show that the robot's model lacks?
 

@@ -61,7 +61,7 @@ class LogResult:
         }
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Identification(Displayed):
     """The result of `identify`.
 

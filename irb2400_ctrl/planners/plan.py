@@ -28,7 +28,7 @@ SCHEMA_VERSION = 2
 """of `plan.json`: 2 says everything of the rows as they are read, 1 said it of the time law"""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Plan(Displayed):
     """What `plan_path` found."""
 

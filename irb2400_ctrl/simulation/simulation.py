@@ -27,7 +27,7 @@ from irb2400_ctrl.trajectory import Trajectory
 CONTOUR_WINDOW_S = 0.15
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Simulation(Displayed):
     """One run. Arrays (m, n) at the control rate, in rad, rad/s, Nm; errors of the TCP in metres.
 

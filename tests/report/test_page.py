@@ -184,7 +184,10 @@ def test_a_notebook_shows_plans_runs_and_diagnoses() -> None:
         assert page_of.dispatch(kind) is not page_of.dispatch(object)
     robot = irb.load_robot("irb2400")
     box = irb.planners.builders.circle((0.95, 0.0, 0.6), 0.02, feed=0.1)
-    shown = irb.plan_path(robot, box)._repr_html_()
+    planned = irb.plan_path(robot, box)
+    # at a prompt it was 115,000 characters of robot and samples
+    assert repr(planned) == "<Plan: write(folder) has its files, a notebook its report>"
+    shown = planned._repr_html_()
     assert shown.startswith("<iframe sandbox")
     assert "The way can be driven" in shown
     assert "<main" not in shown

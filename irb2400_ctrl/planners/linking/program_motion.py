@@ -24,7 +24,7 @@ from irb2400_ctrl.planners.plan import SCHEMA_VERSION, Plan
 from irb2400_ctrl.trajectory import Trajectory
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class ProgramMotion(Displayed):
     """Segments that follow one another at rest; each is certified for itself."""
 
