@@ -29,6 +29,7 @@ from irb2400_ctrl.diagnosis.possible_bodies import (
     with_possible_bodies,
 )
 from irb2400_ctrl.diagnosis.preparation.base_prior import BasePrior
+from irb2400_ctrl.diagnosis.preparation.contacts import contacts_of
 from irb2400_ctrl.diagnosis.preparation.doubtful_accelerations import doubtful_accelerations
 from irb2400_ctrl.diagnosis.preparation.identified_prior import IdentifiedPrior
 from irb2400_ctrl.diagnosis.preparation.metrics import errors, noise_floor
@@ -123,15 +124,16 @@ def _searched(
     prior = prior_of(robot, uncertainty or robot.uncertainty, motion)
     numbers_of_robot = prior.columns(bases.model, motion)
     doubtful = doubtful_accelerations(bases.model, logs.used, motion)
-    turning = sticking_contacts(bases, motion, prior.dry_friction())
-    Z = motion.filtered(np.concatenate([numbers_of_robot, doubtful, turning], axis=2))
     load = bases.model.inverse_dynamics(motion.q, motion.qd, motion.qdd, friction=False)
+    contacts = contacts_of(bases, motion, load)
+    turning = sticking_contacts(bases, motion, prior.dry_friction(), contacts)
+    Z = motion.filtered(np.concatenate([numbers_of_robot, doubtful, turning], axis=2))
     progress("scan")
     reversal = reversal_rows(motion)
     own = numbers_of_robot.shape[2]
     first = Fitter(robot, bases, motion, Z[:, :, : -turning.shape[2]], reversal, own).fit([])
-    motion = noisy_reversals_masked(motion, bases, first, reversal)
-    scan = Scan(bases, motion, load)
+    motion = noisy_reversals_masked(motion, bases, first, reversal, contacts)
+    scan = Scan(bases, motion, load, contacts)
     plain = PlainNumbers(prior, motion.recorded_rows(numbers_of_robot), motion.at_rows(motion.qd))
     fitter = Fitter(robot, bases, motion, Z, reversal, own, plain)
     selection = Selection(scan, fitter, criteria)

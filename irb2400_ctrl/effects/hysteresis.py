@@ -14,7 +14,12 @@ from irb2400_ctrl.effects.ambiguity import REVERSAL, Ambiguity
 from irb2400_ctrl.effects.base import Effect
 from irb2400_ctrl.effects.drawing import Drawing
 from irb2400_ctrl.effects.prior import Prior
+from irb2400_ctrl.effects.search import USUAL_CONTACT
 from irb2400_ctrl.effects.signals import Signals
+
+BEYOND_CONTACTS = 13.0
+"""times the angle within which the contacts of the arm's other joints turn over: the same curve,
+and every joint has it"""
 
 
 class Hysteresis(Effect):
@@ -80,4 +85,10 @@ class Hysteresis(Effect):
 
     @classmethod
     def grid(cls, joint: int | None) -> list[dict[str, float]]:
-        return [{"width_rad": float(w)} for w in np.geomspace(0.005, 0.16, 11)]
+        return [{"width_rad": float(w)} for w in np.geomspace(0.00125, 0.16, 15)]
+
+    @classmethod
+    def sensible(
+        cls, nonlinear: dict[str, float], inertia: float, contact: float = USUAL_CONTACT
+    ) -> bool:
+        return nonlinear["width_rad"] > BEYOND_CONTACTS * contact

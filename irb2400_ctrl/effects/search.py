@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+USUAL_CONTACT = 3.5e-4
+"""[rad] behind a turn within which dry friction has turned over, where a log does not tell"""
+
 
 @dataclass(frozen=True)
 class Search:

@@ -1,4 +1,5 @@
-"""Dry friction that turns over within a milliradian or two is no hysteresis; a loop is one."""
+"""Dry friction that turns over as late as that of the arm's other joints is no hysteresis; that of
+one joint which turns over much later is."""
 
 from __future__ import annotations
 
@@ -10,8 +11,12 @@ from independent_plant import Case
 from irb2400_ctrl.diagnosis import diagnose
 from irb2400_ctrl.diagnosis.comparison.criteria import Criteria
 from irb2400_ctrl.diagnosis.comparison.selection import UNSETTLED
+from irb2400_ctrl.diagnosis.preparation.contacts import LEAST, MOST, Contacts, contacts_of
+from irb2400_ctrl.diagnosis.regressors.bases import Bases
 from irb2400_ctrl.effects.hysteresis import Hysteresis
+from irb2400_ctrl.effects.search import USUAL_CONTACT
 from irb2400_ctrl.measurement import Log
+from irb2400_ctrl.measurement.prepared_log import prepare
 from irb2400_ctrl.robot import load_robot
 
 ROBOT = load_robot("irb2400")
@@ -29,31 +34,79 @@ def sliders(q: npt.NDArray[np.float64], angle: float) -> npt.NDArray[np.float64]
     return found
 
 
-def log_of(joint: int, angle: float, *, in_place: bool) -> Log:
-    """A sound arm with contacts of 8 Nm on a joint (from 1): `in_place` of as much dry friction,
-    or beside it."""
+def log_of(angles: dict[int, float], *, in_place: bool = True) -> Log:
+    """A sound arm with contacts of 8 Nm that hold over these angles on these joints (from 1):
+    `in_place` of as much dry friction, or beside it."""
     log = Case(77, duration=25.0, validation_duration=3.0).simulate()[0]
-    q = log.q[:, joint - 1]
-    jump = np.sign(np.gradient(q, log.time)) if in_place else 0.0
     tau = log.tau.copy()
-    tau[:, joint - 1] += 8.0 * (sliders(q, angle) - jump)
+    for joint, angle in angles.items():
+        q = log.q[:, joint - 1]
+        jump = np.sign(np.gradient(q, log.time)) if in_place else 0.0
+        tau[:, joint - 1] += 8.0 * (sliders(q, angle) - jump)
     return Log(log.time, log.q, tau, qd=log.qd, q_ref=log.q_ref)
 
 
-@pytest.mark.parametrize(("angle", "names"), [(0.9e-3, []), (12e-3, ["hysteresis"])])
-def test_contacts_that_hold_over_two_milliradians_are_none(angle: float, names: list[str]) -> None:
+def contacts(log: Log) -> Contacts:
+    """Of the arm of a log."""
+    motion = prepare(log)
+    bases = Bases(ROBOT)
+    load = bases.model.inverse_dynamics(motion.q, motion.qd, motion.qdd, friction=False)
+    return contacts_of(bases, motion, load)
+
+
+def test_contacts_of_all_joints_that_hold_over_two_milliradians_are_none() -> None:
     """Of 64 other arms with contacts of 0.6 to 2.7 mrad five were told a hysteresis there, at 0.82
     to 0.95."""
-    found = diagnose(ROBOT, log_of(6, angle, in_place=True))
-    assert [f.effect.kind for f in found.findings] == names
+    log = log_of(dict.fromkeys(range(1, 7), 0.9e-3))
+    assert 4e-4 < contacts(log).width <= MOST
+    found = diagnose(ROBOT, log)
+    assert not found.findings
     assert UNSETTLED not in found.weak
+
+
+@pytest.mark.parametrize("angle", [4e-3, 12e-3])
+def test_one_joint_whose_friction_turns_over_later_than_the_others_is_one(angle: float) -> None:
+    log = log_of({6: angle})
+    assert contacts(log) == Contacts(LEAST, frozenset({6}))  # one joint is not the arm
+    (loop,) = (f.effect for f in diagnose(ROBOT, log).findings)
+    assert isinstance(loop, Hysteresis)
+    assert loop.joint == 6
+    assert loop.width_rad == pytest.approx(angle, rel=0.7)
+
+
+@pytest.mark.parametrize("angle", [2e-4, 4e-4, 6e-4])
+def test_the_width_of_the_contacts_is_measured(angle: float) -> None:
+    """Sliders of 0.4 to 2.2 times an angle have turned over where the widest has slipped both
+    ways; a Dahl model as wide as w has by 0.9 within 3 w."""
+    log = log_of(dict.fromkeys(range(1, 7), angle))
+    assert contacts(log).width == pytest.approx(angle, rel=0.5)
+
+
+def test_a_joint_whose_turns_show_nothing_later_has_no_narrow_hysteresis() -> None:
+    """Two sound joints of arms whose contacts hold over 0.1 mrad were told one of 1.8 and 3.5 mrad,
+    in the place of dry friction that was somewhat off."""
+    narrow = Contacts(LEAST, frozenset({6}))
+    width = {"width_rad": 2e-3}
+    assert Hysteresis.sensible(width, 1.0, narrow.at(6))
+    assert not Hysteresis.sensible(width, 1.0, narrow.at(5))
+    assert Hysteresis.sensible({"width_rad": 5e-3}, 1.0, narrow.at(5))
+    # contacts that hold long hold so on every joint
+    wide = Contacts(MOST, frozenset({6}))
+    assert wide.at(6) == wide.at(5) == MOST
+    assert not Hysteresis.sensible({"width_rad": 8e-3}, 1.0, wide.at(6))
+
+
+def test_a_log_without_turns_has_a_usual_width() -> None:
+    log = log_of({})
+    still = Log(log.time, np.tile(log.q[:1], (len(log.q), 1)), log.tau)
+    assert contacts(still) == Contacts(USUAL_CONTACT, frozenset())
 
 
 def test_a_loop_is_found_beside_dry_friction_that_the_file_does_not_state() -> None:
     """The loop's own dry part and the robot's shared that friction at will, 12 Nm of the other sign
     beside a loop of 8, so that no width was plausible: 48 standard deviations, nothing said."""
     robot = ROBOT.with_unknown_friction(range(1, 7))
-    found = diagnose(robot, log_of(5, 12e-3, in_place=False))
+    found = diagnose(robot, log_of({5: 12e-3}, in_place=False))
     (loop,) = (f.effect for f in found.findings)
     assert isinstance(loop, Hysteresis)
     assert loop.joint == 5
@@ -62,6 +115,6 @@ def test_a_loop_is_found_beside_dry_friction_that_the_file_does_not_state() -> N
 
 
 def test_a_search_that_ends_before_it_settled_says_so() -> None:
-    log = log_of(6, 12e-3, in_place=True)
+    log = log_of({6: 12e-3})
     found = diagnose(ROBOT, log, criteria=Criteria(most_looks=1))
     assert UNSETTLED in found.weak

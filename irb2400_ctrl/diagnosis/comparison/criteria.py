@@ -19,8 +19,9 @@ from irb2400_ctrl.measurement.prepared_log import PreparedLog
 
 FRICTION: frozenset[BaseTerm] = frozenset(("coulomb", "viscous"))
 """terms of the base that wear and temperature change"""
-LATE = 0.5
-"""share of the least torque that is enough of a delay"""
+QUICK = 0.5
+"""share of the least torque that is enough of a delay, whose steps where friction turns over are
+quicker than what is compared, and of the flaw of a transmission, whose swing is"""
 ONE_MOMENT = 1.0
 """[s] what begins nearer in time than this began for one reason"""
 
@@ -159,8 +160,10 @@ class Threshold:
         )
         if candidate.rattles:
             least = 0.0  # nine tenths of it are quicker than what is compared
-        elif candidate.known and all(e.chain == "clock" for e in candidate.effects):
-            least *= LATE  # what friction does at turns is quicker too
+        elif candidate.known and all(
+            e.chain == "clock" or e.search.device == "transmission" for e in candidate.effects
+        ):
+            least *= QUICK
         much = np.maximum(least * self.rms, self.usual)
         return np.asarray((size > np.sqrt(c.energy * comparison.energy)) & (size > much))
 

@@ -14,6 +14,7 @@ from irb2400_ctrl.diagnosis.comparison.non_parametric import (
     vibrations,
 )
 from irb2400_ctrl.diagnosis.estimation.candidate import Point
+from irb2400_ctrl.diagnosis.preparation.contacts import Contacts
 from irb2400_ctrl.diagnosis.regressors.bases import Bases, RegressorColumns
 from irb2400_ctrl.effects import LIBRARY
 from irb2400_ctrl.effects.prior import Nested
@@ -23,7 +24,15 @@ from irb2400_ctrl.measurement.prepared_log import PreparedLog
 class LogColumns:
     """What every effect and every non-parametric law would show on one log, computed once."""
 
-    def __init__(self, bases: Bases, motion: PreparedLog, load: Array) -> None:
+    def __init__(self, bases: Bases, motion: PreparedLog, load: Array, contacts: Contacts) -> None:
+        """Nothing is computed yet.
+
+        Args:
+            bases: of the robot; motion: the log, prepared.
+            load: torque of the arm without friction, shape (m, n) [Nm].
+            contacts: over which angle the friction of this arm turns over.
+        """
+        self.contacts = contacts
         self.bases = bases
         self.motion = motion
         self.load = load
@@ -67,7 +76,7 @@ class LogColumns:
             grid = [
                 g
                 for g in effect.grid(joint)
-                if effect.sensible(g, felt)
+                if effect.sensible(g, felt, self.contacts.at(joint))
                 and all(g[name] < span for name in effect.prior.time_constants)
             ]
             if effect.states:

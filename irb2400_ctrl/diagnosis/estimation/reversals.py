@@ -8,6 +8,7 @@ import numpy as np
 
 from irb2400_ctrl.arrays import Array, Mask
 from irb2400_ctrl.diagnosis.estimation.fit import Fit
+from irb2400_ctrl.diagnosis.preparation.contacts import Contacts
 from irb2400_ctrl.diagnosis.regressors.bases import Bases
 from irb2400_ctrl.effects.hysteresis import Hysteresis
 from irb2400_ctrl.measurement.prepared_log import STICKING_SPEED, PreparedLog
@@ -37,7 +38,7 @@ def reversal_rows(motion: PreparedLog) -> Mask:
 
 
 def noisy_reversals_masked(
-    motion: PreparedLog, bases: Bases, fit: Fit, reversal: Mask
+    motion: PreparedLog, bases: Bases, fit: Fit, reversal: Mask, contacts: Contacts
 ) -> PreparedLog:
     """The motion without the rows near reversals of joints whose sticking no model of this kind
     follows.
@@ -47,6 +48,7 @@ def noisy_reversals_masked(
 
     Args:
         fit: of the base alone; reversal: rows near a change of direction, shape (rows, n).
+        contacts: over which angle the friction of this arm turns over.
     """
     known = motion.row_known.copy()
     for j in range(motion.n):
@@ -58,7 +60,7 @@ def noisy_reversals_masked(
         if not _noisy(residual, near, calm):
             continue
         if near.sum() > ONE_REVERSAL:
-            left = _without_hysteresis(motion, bases, j, residual, near)
+            left = _without_hysteresis(motion, bases, j, residual, near, contacts)
             if np.sum(left[near] ** 2) <= BUILT_UP * np.sum(residual[near] ** 2):
                 continue
         known[:, j] = calm
@@ -72,12 +74,19 @@ def _noisy(residual: Array, near: Mask, calm: Mask) -> bool:
 
 
 def _without_hysteresis(
-    motion: PreparedLog, bases: Bases, joint: int, residual: Array, near: Mask
+    motion: PreparedLog, bases: Bases, joint: int, residual: Array, near: Mask, contacts: Contacts
 ) -> Array:
-    """What the best hysteresis of one joint (zero-based) leaves of a residual, shape (rows,)."""
+    """What the best hysteresis of one joint (zero-based) leaves of a residual, shape (rows,).
+
+    Args:
+        residual: shape (rows,) [Nm]; near: rows near a change of direction, shape (rows,).
+        contacts: as of `noisy_reversals_masked`.
+    """
+    contact = contacts.at(joint + 1)
+    grid = [g for g in Hysteresis.grid(joint + 1) if Hysteresis.sensible(g, 0.0, contact)]
     known = motion.row_known[:, joint]
     best = residual
-    for law in bases.columns("hysteresis", joint + 1, motion, Hysteresis.grid(joint + 1)):
+    for law in bases.columns("hysteresis", joint + 1, motion, grid):
         X = law.values[:, 0, :]
         b = np.linalg.lstsq(X[known], residual[known], rcond=None)[0]
         left = residual - X @ b

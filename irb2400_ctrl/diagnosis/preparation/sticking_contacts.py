@@ -10,23 +10,27 @@ from __future__ import annotations
 import numpy as np
 
 from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.diagnosis.preparation.contacts import Contacts
 from irb2400_ctrl.diagnosis.regressors.bases import Bases
 from irb2400_ctrl.measurement.prepared_log import PreparedLog
 
-STICKING_ANGLES = (5e-4, 1e-3)
-"""[rad] over which it turns over: rolling bearings and gears have 1e-4 to 2e-3"""
+TURNED_OVER = (1.5, 3.0)
+"""times the width of its contacts, over which the friction of a joint may turn over"""
 
 
-def sticking_contacts(bases: Bases, motion: PreparedLog, friction: Array) -> Array:
-    """Columns F_j (z_jk - sgn qd_j) with z_jk of Dahl models as narrow as `STICKING_ANGLES`, shape
+def sticking_contacts(
+    bases: Bases, motion: PreparedLog, friction: Array, contacts: Contacts
+) -> Array:
+    """Columns F_j (z_jk - sgn qd_j) with z_jk of Dahl models as narrow as `TURNED_OVER`, shape
     (m, n, n k), joint by joint [Nm].
 
     Args:
         friction: dry friction F of each joint, or how much it may have, shape (n,) [Nm].
+        contacts: over which angle the friction of this arm turns over.
     """
-    columns = np.zeros((len(motion.time), motion.n, motion.n, len(STICKING_ANGLES)))
-    widths = [{"width_rad": angle} for angle in STICKING_ANGLES]
+    columns = np.zeros((len(motion.time), motion.n, motion.n, len(TURNED_OVER)))
     for j in range(motion.n):
+        widths = [{"width_rad": times * contacts.at(j + 1)} for times in TURNED_OVER]
         for k, law in enumerate(bases.columns("hysteresis", j + 1, motion, widths, filtered=False)):
             columns[:, j, j, k] = friction[j] * law.values[:, 0].sum(axis=1)
     return columns.reshape(len(motion.time), motion.n, -1)
