@@ -33,7 +33,7 @@ from irb2400_ctrl.effects.ambiguity import Ambiguity
 from irb2400_ctrl.effects.drawing import Drawing
 from irb2400_ctrl.effects.prior import Nested, Prior
 from irb2400_ctrl.effects.registry import LIBRARY, load_effects, register, source_file
-from irb2400_ctrl.effects.search import USUAL_CONTACT, Search
+from irb2400_ctrl.effects.search import Search
 from irb2400_ctrl.effects.signals import Signals
 from irb2400_ctrl.effects.transmission import Transmission
 from irb2400_ctrl.typed import validated
@@ -148,11 +148,9 @@ class Effect(BaseModel, ABC):
         return [{}]
 
     @classmethod
-    def sensible(
-        cls, nonlinear: dict[str, float], inertia: float, contact: float = USUAL_CONTACT
-    ) -> bool:
-        """Whether a point of the grid is worth a trial on a joint that feels this inertia [kg m2],
-        of an arm whose contacts turn over within this angle [rad]."""
+    def sensible(cls, nonlinear: dict[str, float], inertia: float) -> bool:
+        """Whether a point of the grid is worth a trial on a joint that feels this inertia [kg
+        m2]."""
         return True
 
     @classmethod

@@ -15,7 +15,7 @@ from irb2400_ctrl.effects.base import Acts, Effect
 from irb2400_ctrl.effects.drawing import Drawing
 from irb2400_ctrl.effects.link_lag import lag_torque
 from irb2400_ctrl.effects.prior import Prior
-from irb2400_ctrl.effects.search import USUAL_CONTACT, Search
+from irb2400_ctrl.effects.search import Search
 from irb2400_ctrl.effects.signals import Signals
 from irb2400_ctrl.effects.transmission import Transmission
 
@@ -142,9 +142,7 @@ class ElasticJoint(Effect):
         ]
 
     @classmethod
-    def sensible(
-        cls, nonlinear: dict[str, float], inertia: float, contact: float = USUAL_CONTACT
-    ) -> bool:
+    def sensible(cls, nonlinear: dict[str, float], inertia: float) -> bool:
         # resonances that a moving arm excites and a record at 50 to 250 Hz still shows
         return (
             3.5

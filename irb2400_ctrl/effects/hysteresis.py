@@ -14,12 +14,8 @@ from irb2400_ctrl.effects.ambiguity import REVERSAL, Ambiguity
 from irb2400_ctrl.effects.base import Effect
 from irb2400_ctrl.effects.drawing import Drawing
 from irb2400_ctrl.effects.prior import Prior
-from irb2400_ctrl.effects.search import USUAL_CONTACT
+from irb2400_ctrl.effects.search import Search
 from irb2400_ctrl.effects.signals import Signals
-
-BEYOND_CONTACTS = 13.0
-"""times the angle within which the contacts of the arm's other joints turn over: the same curve,
-and every joint has it"""
 
 
 class Hysteresis(Effect):
@@ -36,6 +32,7 @@ class Hysteresis(Effect):
     example: ClassVar[Mapping[str, Any]] = {"amplitude_Nm": 1.0, "width_rad": 0.02}
     ambiguity: ClassVar[Ambiguity] = REVERSAL
     prior: ClassVar[Prior] = Prior(in_place_of_friction=("replaced_Nm",))
+    search: ClassVar[Search] = Search(turns_over_in="width_rad")
     drawing: ClassVar[Drawing] = Drawing("qd")
     states: ClassVar[tuple[str, ...]] = ("z",)
 
@@ -86,9 +83,3 @@ class Hysteresis(Effect):
     @classmethod
     def grid(cls, joint: int | None) -> list[dict[str, float]]:
         return [{"width_rad": float(w)} for w in np.geomspace(0.00125, 0.16, 15)]
-
-    @classmethod
-    def sensible(
-        cls, nonlinear: dict[str, float], inertia: float, contact: float = USUAL_CONTACT
-    ) -> bool:
-        return nonlinear["width_rad"] > BEYOND_CONTACTS * contact

@@ -4,9 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-USUAL_CONTACT = 3.5e-4
-"""[rad] behind a turn within which dry friction has turned over, where a log does not tell"""
-
 
 @dataclass(frozen=True)
 class Search:
@@ -26,6 +23,8 @@ class Search:
         shows_moving: a log must show it away from reversals too, where dry friction is hard to
             predict.
         nothing_at_turns: its torque passes through nothing where the joint turns.
+        turns_over_in: its nonlinear parameter that is an angle behind a turn [rad]; a narrow one is
+            what every contact does.
         rattles: the link bounces as its load changes sides, which its neighbours feel; most of its
             torque is quicker than what is compared, so that its size says little.
     """
@@ -39,4 +38,5 @@ class Search:
     usual: bool = False
     shows_moving: bool = False
     nothing_at_turns: bool = False
+    turns_over_in: str = ""
     rattles: bool = False

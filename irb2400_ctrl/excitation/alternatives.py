@@ -22,6 +22,7 @@ from scipy.linalg import cho_factor, cho_solve
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.diagnosis.estimation.evidence import DISCREPANCY
 from irb2400_ctrl.diagnosis.preparation.base_prior import BasePrior
+from irb2400_ctrl.diagnosis.preparation.contacts import Contacts
 from irb2400_ctrl.diagnosis.regressors.bases import Bases
 from irb2400_ctrl.effects import LIBRARY, Effect
 from irb2400_ctrl.excitation.groups import AmbiguityGroup, Place
@@ -141,7 +142,12 @@ class Alternatives:
             np.einsum("mjj->mj", self.bases.model.mass_matrix(self._standard.q[::200])), axis=0
         )
         felt = float(inertia[(joint or 1) - 1])
-        grid = [g for g in LIBRARY[kind].grid(joint) if LIBRARY[kind].sensible(g, felt)]
+        effect = LIBRARY[kind]
+        grid = [
+            g
+            for g in effect.grid(joint)
+            if effect.sensible(g, felt) and Contacts().are_narrower(effect, joint, g)
+        ]
         return (
             [
                 grid[k]

@@ -11,10 +11,15 @@ from independent_plant import Case
 from irb2400_ctrl.diagnosis import diagnose
 from irb2400_ctrl.diagnosis.comparison.criteria import Criteria
 from irb2400_ctrl.diagnosis.comparison.selection import UNSETTLED
-from irb2400_ctrl.diagnosis.preparation.contacts import LEAST, MOST, Contacts, contacts_of
+from irb2400_ctrl.diagnosis.preparation.contacts import (
+    LEAST,
+    MOST,
+    USUAL_CONTACT,
+    Contacts,
+    contacts_of,
+)
 from irb2400_ctrl.diagnosis.regressors.bases import Bases
 from irb2400_ctrl.effects.hysteresis import Hysteresis
-from irb2400_ctrl.effects.search import USUAL_CONTACT
 from irb2400_ctrl.measurement import Log
 from irb2400_ctrl.measurement.prepared_log import prepare
 from irb2400_ctrl.robot import load_robot
@@ -87,13 +92,13 @@ def test_a_joint_whose_turns_show_nothing_later_has_no_narrow_hysteresis() -> No
     in the place of dry friction that was somewhat off."""
     narrow = Contacts(LEAST, frozenset({6}))
     width = {"width_rad": 2e-3}
-    assert Hysteresis.sensible(width, 1.0, narrow.at(6))
-    assert not Hysteresis.sensible(width, 1.0, narrow.at(5))
-    assert Hysteresis.sensible({"width_rad": 5e-3}, 1.0, narrow.at(5))
+    assert narrow.are_narrower(Hysteresis, 6, width)
+    assert not narrow.are_narrower(Hysteresis, 5, width)
+    assert narrow.are_narrower(Hysteresis, 5, {"width_rad": 5e-3})
     # contacts that hold long hold so on every joint
     wide = Contacts(MOST, frozenset({6}))
     assert wide.at(6) == wide.at(5) == MOST
-    assert not Hysteresis.sensible({"width_rad": 8e-3}, 1.0, wide.at(6))
+    assert not wide.are_narrower(Hysteresis, 6, {"width_rad": 8e-3})
 
 
 def test_a_log_without_turns_has_a_usual_width() -> None:

@@ -76,7 +76,8 @@ class LogColumns:
             grid = [
                 g
                 for g in effect.grid(joint)
-                if effect.sensible(g, felt, self.contacts.at(joint))
+                if effect.sensible(g, felt)
+                and self.contacts.are_narrower(effect, joint, g)
                 and all(g[name] < span for name in effect.prior.time_constants)
             ]
             if effect.states:

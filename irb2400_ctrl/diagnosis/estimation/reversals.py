@@ -82,8 +82,8 @@ def _without_hysteresis(
         residual: shape (rows,) [Nm]; near: rows near a change of direction, shape (rows,).
         contacts: as of `noisy_reversals_masked`.
     """
-    contact = contacts.at(joint + 1)
-    grid = [g for g in Hysteresis.grid(joint + 1) if Hysteresis.sensible(g, 0.0, contact)]
+    at = joint + 1
+    grid = [g for g in Hysteresis.grid(at) if contacts.are_narrower(Hysteresis, at, g)]
     known = motion.row_known[:, joint]
     best = residual
     for law in bases.columns("hysteresis", joint + 1, motion, grid):

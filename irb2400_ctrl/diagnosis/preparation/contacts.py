@@ -11,9 +11,13 @@ from scipy.optimize import lsq_linear
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.diagnosis.regressors.bases import Bases
-from irb2400_ctrl.effects.search import USUAL_CONTACT
+from irb2400_ctrl.effects import Effect
 from irb2400_ctrl.measurement.prepared_log import PreparedLog
 
+USUAL_CONTACT = 3.5e-4
+"""[rad] where the log does not tell"""
+BEYOND = 13.0
+"""times as wide a hysteresis is: the same curve, and every joint has it"""
 LEAST = 1.3e-4
 MOST = 7e-4
 WIDTHS = np.geomspace(5e-5, 2.56e-2, 10)
@@ -55,6 +59,17 @@ class Contacts:
         """That of a joint (from 1), if its own turns show nothing later at least a usual one
         [rad]."""
         return self.width if joint in self.later else max(self.width, USUAL_CONTACT)
+
+    def are_narrower(
+        self, effect: type[Effect], joint: int | None, point: dict[str, float]
+    ) -> bool:
+        """Whether what an effect does behind a turn is told from what contacts do there.
+
+        Args:
+            effect: of the library; joint: that it acts on, from 1; point: of its grid.
+        """
+        name = effect.search.turns_over_in
+        return not name or point[name] > BEYOND * self.at(joint)
 
 
 def contacts_of(bases: Bases, motion: PreparedLog, load: Array) -> Contacts:
