@@ -35,6 +35,8 @@ SEARCH = {
     "shows_moving": "it must show away from reversals too",
     "nothing_at_turns": "told from a constant torque by the turns of the joint, where it passes "
     "through nothing",
+    "turns_over_in": "only where it is wider than what contacts hold over, measured at "
+    "the turns of all joints",
     "rattles": "at the wrist also told by what the neighbours feel as the load changes sides",
 }
 """words for what an effect may say in its `search`"""

@@ -102,7 +102,7 @@ def test_options_that_cannot_be() -> None:
     for wrong in ({"clearance": 0.0}, {"approach": -1e-3}, {"clearance": np.nan}):
         with pytest.raises(errors.InputError, match=r"expected a (positive length|number)"):
             LinkOptions(**wrong)
-    with pytest.raises(errors.InputError, match="expected 6 finite angles"):
+    with pytest.raises(errors.InputError, match="found 5 angles, expected 6 finite ones"):
         start_of(ROBOT, np.zeros(5))
     with pytest.raises(errors.InputError, match="start is outside the joint box: axis 5"):
         start_of(ROBOT, np.array([0, 0, 0, 0, 3.0, 0]))

@@ -77,6 +77,7 @@ def contacts_of(bases: Bases, motion: PreparedLog, load: Array) -> Contacts:
     differ from it.
 
     Args:
+        bases: of the robot; motion: the log, prepared.
         load: torque of the arm without friction, shape (m, n) [Nm].
     """
     if any(motion.recorders):
@@ -109,6 +110,10 @@ def built_up(bases: Bases, motion: PreparedLog, left: Array, joint: int) -> Arra
 
     left ~ sum_k A_k z_k + S z_narrow exp(-|qd| / v_S) + F_v qd, A >= 0, beside a line of its own
     about each turn, which takes up all that is smooth there.
+
+    Args:
+        bases: of the robot; motion: the log, prepared; joint: from 0.
+        left: torque of that joint beside `load` of `contacts_of`, shape (m,) [Nm].
     """
     speed = motion.qd[:, joint]
     rows, turn = _near_turns(motion, joint)
