@@ -17,10 +17,12 @@ from irb2400_ctrl.diagnosis.preparation.contacts import (
     USUAL_CONTACT,
     Contacts,
     contacts_of,
+    near_turns,
 )
 from irb2400_ctrl.diagnosis.regressors.bases import Bases
 from irb2400_ctrl.effects.hysteresis import Hysteresis
 from irb2400_ctrl.measurement import Log
+from irb2400_ctrl.measurement.joined_log import prepare_together
 from irb2400_ctrl.measurement.prepared_log import prepare
 from irb2400_ctrl.robot import load_robot
 
@@ -99,6 +101,21 @@ def test_a_joint_whose_turns_show_nothing_later_has_no_narrow_hysteresis() -> No
     wide = Contacts(MOST, frozenset({6}))
     assert wide.at(6) == wide.at(5) == MOST
     assert not wide.are_narrower(Hysteresis, 6, {"width_rad": 8e-3})
+
+
+def test_a_turn_is_looked_at_within_its_log() -> None:
+    log = log_of({})
+    speed = np.gradient(log.q[:, 5], log.time)
+    turns = np.flatnonzero(np.diff(np.sign(speed)) != 0)
+    cut = int(turns[np.searchsorted(turns, len(speed) // 2)]) + 10  # 40 ms behind a turn
+    halves = [
+        Log(log.time[rows], log.q[rows], log.tau[rows]) for rows in (slice(cut), slice(cut, None))
+    ]
+    motion = prepare_together(halves)
+    rows, turn = near_turns(motion, 5)
+    assert turn[-1] > 5
+    for k in range(turn[-1] + 1):
+        assert len({int(r) >= motion.starts[1] for r in rows[turn == k]}) == 1
 
 
 def test_a_log_without_turns_has_a_usual_width() -> None:

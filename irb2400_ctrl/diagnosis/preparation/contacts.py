@@ -116,7 +116,7 @@ def built_up(bases: Bases, motion: PreparedLog, left: Array, joint: int) -> Arra
         left: torque of that joint beside `load` of `contacts_of`, shape (m,) [Nm].
     """
     speed = motion.qd[:, joint]
-    rows, turn = _near_turns(motion, joint)
+    rows, turn = near_turns(motion, joint)
     if not len(rows) or turn[-1] + 1 < FEWEST_TURNS:
         return None
     grid = [{"width_rad": float(width)} for width in WIDTHS]
@@ -135,7 +135,7 @@ def built_up(bases: Bases, motion: PreparedLog, left: Array, joint: int) -> Arra
     return found if found[WIDTHS < OF_CONTACTS].sum() > 0.0 else None
 
 
-def _near_turns(
+def near_turns(
     motion: PreparedLog, joint: int
 ) -> tuple[npt.NDArray[np.intp], npt.NDArray[np.intp]]:
     """Samples about the turns of a joint, and the number of the turn of each, both (k,)."""
@@ -146,7 +146,8 @@ def _near_turns(
     turn: list[npt.NDArray[np.intp]] = []
     for k in np.flatnonzero(np.diff(np.sign(speed)) != 0).tolist():
         at = k if abs(speed[k]) < abs(speed[k + 1]) else k + 1
-        near = np.arange(max(at - reach, 0), min(at + reach + 1, len(q)))
+        part = next(one for one in motion.parts if at < one.stop)
+        near = np.arange(max(at - reach, part.start), min(at + reach + 1, part.stop))
         # a gap leaves nothing known of any joint
         near = near[(np.abs(q[near] - q[at]) < REACH) & motion.known[near].any(axis=1)]
         if len(near) >= FEWEST_ROWS:
