@@ -3,6 +3,8 @@ one joint which turns over much later is."""
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import numpy.typing as npt
 import pytest
@@ -22,7 +24,6 @@ from irb2400_ctrl.diagnosis.preparation.contacts import (
 from irb2400_ctrl.diagnosis.regressors.bases import Bases
 from irb2400_ctrl.effects.hysteresis import Hysteresis
 from irb2400_ctrl.measurement import Log
-from irb2400_ctrl.measurement.joined_log import prepare_together
 from irb2400_ctrl.measurement.prepared_log import prepare
 from irb2400_ctrl.robot import load_robot
 
@@ -104,18 +105,14 @@ def test_a_joint_whose_turns_show_nothing_later_has_no_narrow_hysteresis() -> No
 
 
 def test_a_turn_is_looked_at_within_its_log() -> None:
-    log = log_of({})
-    speed = np.gradient(log.q[:, 5], log.time)
-    turns = np.flatnonzero(np.diff(np.sign(speed)) != 0)
-    cut = int(turns[np.searchsorted(turns, len(speed) // 2)]) + 10  # 40 ms behind a turn
-    halves = [
-        Log(log.time[rows], log.q[rows], log.tau[rows]) for rows in (slice(cut), slice(cut, None))
-    ]
-    motion = prepare_together(halves)
-    rows, turn = near_turns(motion, 5)
-    assert turn[-1] > 5
+    whole = prepare(log_of({}))
+    _, turn = near_turns(whole, 5)
+    turns = np.flatnonzero(np.diff(np.sign(whole.qd[:, 5])) != 0)
+    seam = int(turns[len(turns) // 2]) + 4  # 16 ms behind one
+    rows, same = near_turns(replace(whole, starts=(0, seam)), 5)
+    assert same[-1] == turn[-1]
     for k in range(turn[-1] + 1):
-        assert len({int(r) >= motion.starts[1] for r in rows[turn == k]}) == 1
+        assert len(set((rows[same == k] < seam).tolist())) == 1
 
 
 def test_a_log_without_turns_has_a_usual_width() -> None:
