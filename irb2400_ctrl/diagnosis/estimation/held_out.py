@@ -82,6 +82,9 @@ class HeldOut:
         self.fit = fit
         self.fold = folds(fitter.motion.row_time)
         self._known = fitter.motion.at_rows(fitter.motion.known.astype(float)) > 0.5
+        for j, one in enumerate(fit.noise):
+            # how a hysteresis stood before the first row that is fitted is anybody's guess
+            self._known[: one.kept[0] if len(one.kept) else 0, j] = False
         self._found = self._solved(fit)
 
     def worth(self, place: int) -> Worth:
