@@ -52,6 +52,33 @@ def test_what_a_dropped_explanation_had_stood_in_for_is_looked_for(
     assert selection.refused == {named(offers[0])}
 
 
+def test_what_was_chosen_beside_a_dropped_one_is_held_again(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """A bend of friction that came beside a spring let dry friction push the spring out; unseen
+    rows refused the bend, and dry friction, which says nothing alone, was left at 0.94."""
+    spring, bend, dry = (explanation(kind) for kind in ("spring", "bend", "dry friction"))
+    best = {(): spring, ("spring",): bend, ("bend",): dry}
+
+    def next_step(self: Any, ground: Any, alone: bool = False) -> Step | None:
+        offer = best.get(tuple(c.kind for c in ground.comparison.chosen))
+        return None if offer is None or named(offer) in self.refused else Step(offer, 30.0, ())
+
+    monkeypatch.setattr(Selection, "next_step", next_step)
+    monkeypatch.setattr(Selection, "_rather_wider", lambda self, step, beside: None)
+    acceptance = SimpleNamespace(
+        bears_out=lambda steps, fit, place, all_found=False: (
+            not (all_found and steps[place].candidate.kind == "bend")
+        ),
+        clear=lambda steps, fit, place: [True],
+        gains=lambda steps, fit: [np.zeros(1) for _ in steps],
+    )
+    selection = bare(fitter=fitter_of(), acceptance=acceptance)
+    steps, _ = selection.run()
+    assert [s.candidate.kind for s in steps] == ["spring"]
+    assert selection.refused == {named(bend)}
+
+
 def next_of(name: Any, laws: Any, refused: Any) -> str:
     """What comes next where a name of 100 nats and a smaller one of another joint are best beside
     flexible laws, each with what it gains."""

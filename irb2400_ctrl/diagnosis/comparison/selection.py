@@ -42,8 +42,7 @@ class Selection:
         self.acceptance = Acceptance(fitter, self.criteria)
         motion = scan.motion
         predicted = predicted_torque(fitter.robot, motion, fitter.bases)
-        usual = fitter.robot.usually_left
-        self.threshold = Threshold(self.criteria, motion, predicted, usual)
+        self.threshold = Threshold(self.criteria, motion, predicted, fitter.robot.usually_left)
         left = motion.tau - predicted
         self.turns = AtReversals(motion, left)
         self.load_changes = AtLoadChanges(motion, left, fitter.bases.model)
@@ -58,11 +57,12 @@ class Selection:
             dropped = {named(s.candidate) for s in found} - kept - self.refused
             if not dropped:
                 break
-            # what it had stood in for is looked for once more
+            # what it had stood in for is looked for once more, what was chosen beside it again
             self.refused |= dropped
+            gone = [s.candidate for s in found if named(s.candidate) in dropped]
+            steps = self._held_again(steps, gone)
         steps, fit = self._weighty(steps, fit)
-        gained = self.acceptance.gains(steps, fit)
-        told = zip(steps, gained, strict=True)
+        told = zip(steps, self.acceptance.gains(steps, fit), strict=True)
         steps = [replace(step, validation_gain=gain) for step, gain in told]
         return steps, self.fitter.as_stated(fit)
 
@@ -171,8 +171,9 @@ class Selection:
             for s in steps
             if not s.candidate.known or (1.0 + self.criteria.two_at_once) * s.gain > most
         ]
-        same = len(kept) == len(steps)
-        return kept, fit if same else self.fitter.fit([s.candidate for s in kept])
+        return kept, fit if len(kept) == len(steps) else self.fitter.fit(
+            [s.candidate for s in kept]
+        )
 
     def _clear(self, steps: list[Step], place: int) -> tuple[list[Step], Fit]:
         """The steps and their common fit, one of them with those effects alone that stand clear of
@@ -298,16 +299,21 @@ class Selection:
         return non_parametric
 
     def _exchanged(self, steps: list[Step]) -> list[Step]:
+        """The explanations, those before the last held again beside it."""
+        return self._held_again(steps, [steps[-1].candidate])
+
+    def _held_again(self, steps: list[Step], moved: Sequence[Candidate]) -> list[Step]:
         """Each explanation held again, given the others, against what acts on a joint of it, if one
         of these has come or gone; a flexible law also beside a name of other joints, which the base
         may have been bent to hide. One that no longer counts falls out."""
         kept = list(steps)
         n = self.scan.motion.n
-        changed = steps[-1].candidate.acts_on(n)
-        for place in reversed(range(len(steps) - 1)):
+        changed = np.logical_or.reduce([c.acts_on(n) for c in moved])
+        newest = next((c for c in moved if steps and steps[-1].candidate is c), None)
+        for place in reversed(range(len(steps) - (newest is not None))):
             earlier = kept[place].candidate
             there = earlier.acts_on(n)
-            name_beside = not earlier.known and steps[-1].candidate.known
+            name_beside = newest is not None and newest.known and not earlier.known
             if not name_beside and not (changed & there).any():
                 continue
             if self.unsettled:
