@@ -25,6 +25,11 @@ def norms(a: Array) -> Array:
     return np.sqrt(inner_products(a, a))
 
 
+def rms(values: Array) -> Array:
+    """Of each column (m, n): shape (n,)."""
+    return np.asarray(np.sqrt(np.mean(values**2, axis=0)))
+
+
 def rotation_about(index: int, angle: float) -> Array:
     """The rotation about x, y or z (0, 1, 2) by an angle [rad], shape (3, 3)."""
     a = (index + 1) % 3

@@ -74,7 +74,7 @@ def sound_logs(robot: Robot, logs: Sequence[Log]) -> SoundLogs:
     left_out = []
     problems = []
     for place, log in enumerate(logs):
-        twice = next((other.name for other in logs[:place] if log.is_copy_of(other)), None)
+        twice = log.copied_from(logs[:place])
         if twice is not None:
             left_out.append(LeftOut(log.name, f"its samples are those of {twice}"))
             continue
@@ -118,7 +118,7 @@ def check_beside(robot: Robot, log: Log, learned: Sequence[Log]) -> None:
     Raises:
         InputError: it is not sound, or one of them.
     """
-    copied = next((other.name for other in learned if log.is_copy_of(other)), None)
+    copied = log.copied_from(learned)
     if copied is not None:
         raise InputError(
             f"{log.name}: found the samples of {copied}, which is diagnosed, expected another "

@@ -58,7 +58,7 @@ def understood_logs(robot: Robot, logs: Sequence[Log]) -> UnderstoodLogs:
     remarkable: list[str] = []
     off: set[int] = set()
     for place, log in enumerate(logs):
-        twice = next((other.name for other in logs[:place] if log.is_copy_of(other)), None)
+        twice = log.copied_from(logs[:place])
         if twice is not None:
             remarkable.append(f"left out {log.name}: the samples are those of {twice}")
             continue

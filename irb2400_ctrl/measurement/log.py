@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
 
@@ -150,9 +150,12 @@ class Log:
         """From the first to the last sample [s]."""
         return float(self.time[-1] - self.time[0])
 
-    def is_copy_of(self, other: Log) -> bool:
-        """Whether angles and torques are the same, sample for sample, under whatever name."""
-        return np.array_equal(self.q, other.q) and np.array_equal(self.tau, other.tau)
+    def copied_from(self, others: Iterable[Log]) -> str | None:
+        """Name of the first of them whose angles and torques are the same, sample for sample."""
+        for other in others:
+            if np.array_equal(self.q, other.q) and np.array_equal(self.tau, other.tau):
+                return other.name
+        return None
 
 
 def _unit_of(rate: float) -> str:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.arrays import Array, rms
 from irb2400_ctrl.model.model import Model
 from irb2400_ctrl.robot import Robot
 from irb2400_ctrl.trajectory.trajectory import RATE
@@ -70,7 +70,7 @@ def torque_differences(robot: Robot, other: Robot) -> list[TorqueDifference]:
         tau = first.inverse_dynamics(motion.q, motion.qd, motion.qdd, friction=False)
         difference = second.inverse_dynamics(motion.q, motion.qd, motion.qdd, friction=False) - tau
         largest = np.abs(difference).max(axis=0)
-        found.append(TorqueDifference(motion.name, largest, _rms(difference)))
+        found.append(TorqueDifference(motion.name, largest, rms(difference)))
     return found
 
 
@@ -86,8 +86,3 @@ def _sines(
     for array in (q, qd, qdd):
         array.setflags(write=False)
     return StandardMotion(name, q, qd, qdd)
-
-
-def _rms(values: Array) -> Array:
-    result: Array = np.sqrt((values**2).mean(axis=0))
-    return result

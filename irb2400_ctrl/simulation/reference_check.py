@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.arrays import Array, rms
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.robot import Robot
@@ -55,8 +55,8 @@ def planned_for_another(robot: Robot, motion: Trajectory) -> str | None:
     if motion.tau is None or motion.tau.shape[1] != robot.n:
         return None
     own = Model(robot).inverse_dynamics(motion.q, motion.qd, motion.qdd)
-    size = np.maximum(_rms(own), _rms(motion.tau))
-    off = float(np.median(_rms(own - motion.tau) / np.maximum(size, 1e-9)))
+    size = np.maximum(rms(own), rms(motion.tau))
+    off = float(np.median(rms(own - motion.tau) / np.maximum(size, 1e-9)))
     if off < OTHER_TORQUES:
         return None
     return (
@@ -74,10 +74,6 @@ def too_fast(robot: Robot, qd: Array) -> list[int]:
     """Axes (from 1) that are faster than their limits."""
     over = np.abs(qd).max(axis=0) > robot.qd_bound * (1 + 1e-9)
     return [int(j) + 1 for j in np.flatnonzero(over)]
-
-
-def _rms(torques: Array) -> Array:
-    return np.asarray(np.sqrt(np.mean(torques**2, axis=0)))
 
 
 def _beyond(robot: Robot, q: Array) -> Array:

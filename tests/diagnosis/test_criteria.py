@@ -29,7 +29,6 @@ def candidate(size: Any = (0.0, 5.0, 0.0), **given: Any) -> Any:
         search=SimpleNamespace(
             shows_moving=moving,
             repeats=given.pop("repeats", False),
-            device=given.pop("device", ""),
         ),
     )
     usual: dict[str, Any] = {
@@ -166,8 +165,10 @@ def test_an_effect_is_large_against_what_is_left_and_against_the_joint() -> None
     assert accepts(candidate((0.0, 4.51, 0.0), chain="clock"), judge=heavier)
     assert not accepts(candidate((0.0, 4.49, 0.0), chain="clock"), judge=heavier)
     # a spring of axis 4 with 970 nats, 2.9 % of its torque, has 0.8 % below 10 Hz
-    assert accepts(candidate((0.0, 4.51, 0.0), device="transmission"), judge=heavier)
-    assert not accepts(candidate((0.0, 4.49, 0.0), device="transmission"), judge=heavier)
+    assert accepts(candidate((0.0, 4.51, 0.0), devices=frozenset({"transmission"})), judge=heavier)
+    assert not accepts(
+        candidate((0.0, 4.49, 0.0), devices=frozenset({"transmission"})), judge=heavier
+    )
 
 
 def test_what_an_identification_of_the_arm_leaves_is_no_news() -> None:

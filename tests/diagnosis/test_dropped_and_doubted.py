@@ -36,7 +36,7 @@ def test_what_a_dropped_explanation_had_stood_in_for_is_looked_for(
 
     monkeypatch.setattr(Selection, "next_step", next_step)
     monkeypatch.setattr(Selection, "_rather_wider", lambda self, step, beside: None)
-    monkeypatch.setattr(Selection, "_exchanged", lambda self, steps: steps)
+    monkeypatch.setattr(Selection, "_exchanged", lambda self, steps, gone=(): steps)
     acceptance = SimpleNamespace(
         bears_out=bears_out,
         clear=lambda steps, fit, place: [True],

@@ -33,7 +33,7 @@ def test_the_first_of_two_goes_where_the_other_one_does_not_come(
         return None
 
     monkeypatch.setattr(Selection, "next_step", next_step)
-    monkeypatch.setattr(Selection, "_exchanged", lambda self, steps: steps)
+    monkeypatch.setattr(Selection, "_exchanged", lambda self, steps, gone=(): steps)
     monkeypatch.setattr(Selection, "_rather_wider", lambda self, step, beside: None)
     steps, fit = selection.run()
     assert [s.candidate.kind for s in steps] == kept

@@ -40,7 +40,7 @@ def test_explanations_that_push_each_other_out_are_not_tried_for_ever(
     monkeypatch.setattr(
         Selection, "_beside", lambda self, chosen, on=None: SimpleNamespace(comparison=None)
     )
-    monkeypatch.setattr(Selection, "_exchanged", lambda self, steps: steps[-1:])
+    monkeypatch.setattr(Selection, "_exchanged", lambda self, steps, gone=(): steps[-1:])
     monkeypatch.setattr(Selection, "_weighty", lambda self, steps, fit: (steps, fit))
     monkeypatch.setattr(Selection, "_rather_wider", lambda self, step, beside: None)
     steps, fit = selection.run()

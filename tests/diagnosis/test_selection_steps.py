@@ -284,7 +284,9 @@ def test_the_search_ends_after_as_many_steps_and_refusals_as_the_criteria_say(
         )
         exchanged: list[int] = []
         monkeypatch.setattr(
-            Selection, "_exchanged", lambda self, steps: exchanged.append(len(steps)) or steps
+            Selection,
+            "_exchanged",
+            lambda self, steps, gone=(): exchanged.append(len(steps)) or steps,
         )
         monkeypatch.setattr(Selection, "_rather_wider", lambda self, step, beside: None)
         steps, fit = selection.run()

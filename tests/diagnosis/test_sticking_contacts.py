@@ -12,22 +12,28 @@ from independent_plant import Case
 
 from irb2400_ctrl.diagnosis import diagnose
 from irb2400_ctrl.diagnosis.comparison.criteria import Criteria
+from irb2400_ctrl.diagnosis.comparison.log_columns import LogColumns
 from irb2400_ctrl.diagnosis.comparison.selection import UNSETTLED
 from irb2400_ctrl.diagnosis.preparation.contacts import (
+    BEYOND,
     LEAST,
     MOST,
     USUAL_CONTACT,
     Contacts,
     contacts_of,
     near_turns,
+    turns,
 )
+from irb2400_ctrl.diagnosis.preparation.sticking_contacts import TURNED_OVER, sticking_contacts
 from irb2400_ctrl.diagnosis.regressors.bases import Bases
 from irb2400_ctrl.effects.hysteresis import Hysteresis
 from irb2400_ctrl.measurement import Log
-from irb2400_ctrl.measurement.prepared_log import prepare
+from irb2400_ctrl.measurement.prepared_log import PreparedLog, prepare
+from irb2400_ctrl.measurement.torque_filter import TorqueFilter
 from irb2400_ctrl.robot import load_robot
 
 ROBOT = load_robot("irb2400")
+BASES = Bases(ROBOT)
 
 
 def sliders(q: npt.NDArray[np.float64], angle: float) -> npt.NDArray[np.float64]:
@@ -54,19 +60,21 @@ def log_of(angles: dict[int, float], *, in_place: bool = True) -> Log:
     return Log(log.time, log.q, tau, qd=log.qd, q_ref=log.q_ref)
 
 
-def contacts(log: Log) -> Contacts:
+def load_of(motion: PreparedLog) -> npt.NDArray[np.float64]:
+    """Torque without friction [Nm]."""
+    return BASES.model.inverse_dynamics(motion.q, motion.qd, motion.qdd, friction=False)
+
+
+def contacts(motion: PreparedLog) -> Contacts:
     """Of the arm of a log."""
-    motion = prepare(log)
-    bases = Bases(ROBOT)
-    load = bases.model.inverse_dynamics(motion.q, motion.qd, motion.qdd, friction=False)
-    return contacts_of(bases, motion, load)
+    return contacts_of(BASES, motion, load_of(motion))
 
 
 def test_contacts_of_all_joints_that_hold_over_two_milliradians_are_none() -> None:
     """Of 64 other arms with contacts of 0.6 to 2.7 mrad five were told a hysteresis there, at 0.82
     to 0.95."""
     log = log_of(dict.fromkeys(range(1, 7), 0.9e-3))
-    assert 4e-4 < contacts(log).width <= MOST
+    assert 4e-4 < contacts(prepare(log)).width <= MOST
     found = diagnose(ROBOT, log)
     assert not found.findings
     assert UNSETTLED not in found.weak
@@ -75,7 +83,7 @@ def test_contacts_of_all_joints_that_hold_over_two_milliradians_are_none() -> No
 @pytest.mark.parametrize("angle", [4e-3, 12e-3])
 def test_one_joint_whose_friction_turns_over_later_than_the_others_is_one(angle: float) -> None:
     log = log_of({6: angle})
-    assert contacts(log) == Contacts(LEAST, frozenset({6}))  # one joint is not the arm
+    assert contacts(prepare(log)) == Contacts(LEAST, frozenset({6}))  # one joint is not the arm
     (loop,) = (f.effect for f in diagnose(ROBOT, log).findings)
     assert isinstance(loop, Hysteresis)
     assert loop.joint == 6
@@ -86,8 +94,14 @@ def test_one_joint_whose_friction_turns_over_later_than_the_others_is_one(angle:
 def test_the_width_of_the_contacts_is_measured(angle: float) -> None:
     """Sliders of 0.4 to 2.2 times an angle have turned over where the widest has slipped both
     ways; a Dahl model as wide as w has by 0.9 within 3 w."""
-    log = log_of(dict.fromkeys(range(1, 7), angle))
-    assert contacts(log).width == pytest.approx(angle, rel=0.5)
+    motion = prepare(log_of(dict.fromkeys(range(1, 7), angle)))
+    assert contacts(motion).width == pytest.approx(angle, rel=0.5)
+    # what is smooth about a turn is no contact's
+    smooth = motion.tau + 40.0 * np.sin(motion.q)
+    assert contacts(replace(motion, tau=smooth)).width == pytest.approx(angle, rel=0.5)
+    # and a recorder's filter has smeared what was
+    recorders = (TorqueFilter(20.0, 2.0),)
+    assert contacts(replace(motion, recorders=recorders)) == Contacts()
 
 
 def test_a_joint_whose_turns_show_nothing_later_has_no_narrow_hysteresis() -> None:
@@ -104,6 +118,32 @@ def test_a_joint_whose_turns_show_nothing_later_has_no_narrow_hysteresis() -> No
     assert not wide.are_narrower(Hysteresis, 6, {"width_rad": 8e-3})
 
 
+@pytest.mark.parametrize("of_arm", [Contacts(2e-4, frozenset({6})), Contacts(MOST)])
+def test_the_scan_and_the_base_follow_what_is_measured(of_arm: Contacts) -> None:
+    """No narrower hysteresis is tried, and dry friction turns over as late as it was seen to."""
+    motion = prepare(log_of({}))
+    scan = LogColumns(BASES, motion, load_of(motion), of_arm)
+    columns = sticking_contacts(BASES, motion, np.arange(1.0, 7.0), of_arm)
+    columns = columns.reshape(-1, 6, 6, len(TURNED_OVER))
+    for joint in (5, 6):
+        at = of_arm.at(joint)
+        tried = [point["width_rad"] for point in scan.laws["hysteresis", joint][0]]
+        every = [point["width_rad"] for point in Hysteresis.grid(joint)]
+        assert tried == [width for width in every if width > BEYOND * at]
+        assert 0 < len(tried) < len(every)
+        widths = [{"width_rad": times * at} for times in TURNED_OVER]
+        laws = BASES.columns("hysteresis", joint, motion, widths, filtered=False)
+        for k, law in enumerate(laws):
+            expected = joint * law.values[:, 0].sum(axis=1)
+            np.testing.assert_allclose(columns[:, joint - 1, joint - 1, k], expected)
+
+
+def test_a_turn_is_a_change_of_direction_at_its_slower_sample() -> None:
+    before, slower = turns(np.array([2.0, 1.0, -3.0, -0.5, 0.1, 0.2]))
+    assert (before.tolist(), slower.tolist()) == ([1, 3], [1, 4])
+    assert not turns(np.ones(5))[0].size
+
+
 def test_a_turn_is_looked_at_within_its_log() -> None:
     whole = prepare(log_of({}))
     _, turn = near_turns(whole, 5)
@@ -115,10 +155,21 @@ def test_a_turn_is_looked_at_within_its_log() -> None:
         assert len(set((rows[same == k] < seam).tolist())) == 1
 
 
+def test_a_turn_is_looked_at_beside_a_gap() -> None:
+    whole = prepare(log_of({}))
+    known = whole.known.copy()
+    known[2000:2100] = False
+    rows, _ = near_turns(replace(whole, known=known), 5)
+    assert len(rows)
+    assert not ((rows >= 2000) & (rows < 2100)).any()
+    everything, _ = near_turns(whole, 5)
+    assert ((everything >= 2000) & (everything < 2100)).any()
+
+
 def test_a_log_without_turns_has_a_usual_width() -> None:
     log = log_of({})
     still = Log(log.time, np.tile(log.q[:1], (len(log.q), 1)), log.tau)
-    assert contacts(still) == Contacts(USUAL_CONTACT, frozenset())
+    assert contacts(prepare(still)) == Contacts(USUAL_CONTACT, frozenset())
 
 
 def test_a_loop_is_found_beside_dry_friction_that_the_file_does_not_state() -> None:

@@ -77,6 +77,15 @@ def test_a_map_names_microseconds_beyond_the_seconds(tmp_path: Path) -> None:
         read_log(path, columns=shown)
 
 
+def test_what_is_beyond_the_seconds_is_less_than_one(tmp_path: Path) -> None:
+    """A total in microseconds under the name of what is beyond the seconds."""
+    names, (seconds, _) = CLOCKS["seconds and microseconds"]
+    columns = [seconds, [f"{10**6 + 1000 * k}" for k in MS]]
+    path = written(tmp_path / "a.csv", table([*names, *SIGNALS], [*columns, *Q, *TAU]))
+    with pytest.raises(InputError, match=r"time_usec is 1000000 in line 2.*0 to 999,999"):
+        read_log(path)
+
+
 @pytest.mark.parametrize("first", ["", "-"])
 def test_units_below_a_header_whose_first_column_has_none(first: str, tmp_path: Path) -> None:
     count = [f"{k}" for k in range(len(LOG.time))]

@@ -12,6 +12,7 @@ from scipy.special import logsumexp
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.diagnosis.comparison.comparison import Alternative
 from irb2400_ctrl.diagnosis.estimation.candidate import Candidate
+from irb2400_ctrl.diagnosis.preparation.contacts import turns
 from irb2400_ctrl.measurement.prepared_log import PreparedLog
 
 BUILDS_UP = 2.5e-3
@@ -93,13 +94,11 @@ class AtReversals:
         those to backwards [Nm]."""
         m = self.motion
         q = m.q[:, joint]
-        qd = m.qd[:, joint]
         left = self.residual[:, joint]
         found: dict[bool, list[float]] = {True: [], False: []}
-        crossings = np.flatnonzero(np.diff(np.sign(qd)) != 0)
+        crossings, slower = turns(m.qd[:, joint])
         longest = int(LONGEST / m.step)
-        for k in crossings.tolist():
-            turn = k if abs(qd[k]) < abs(qd[k + 1]) else k + 1
+        for turn in slower.tolist():
             rows = _one_turn(q, turn, longest)
             if rows is None:
                 continue

@@ -209,13 +209,8 @@ class Comparison:
         if columns is None:
             return alternative.evidence
         Z = np.concatenate([self.Z, columns], axis=2)
-        problem = Problem(self.y, Z, self.start.noise)
-        for _ in range(2):
-            tau = candidate.torque(self.n)
-            left = self.y - tau - Z @ problem.base_beside(tau)
-            problem = Problem(self.y, Z, self.noise.coloured(left))
-            candidate = self._rescored(candidate, problem)
-        return problem.log_evidence + candidate.score.gain
+        wider = Comparison(self.scan, self.noise, self.y, Z, self.chosen)
+        return wider.compared(candidate).evidence
 
     def gain_beside(self, candidate: Candidate, columns: Array) -> float:
         """What a candidate gains beside columns (rows, n, k) that move as the base does [nats]."""

@@ -160,8 +160,8 @@ class Threshold:
         )
         if candidate.rattles:
             least = 0.0  # nine tenths of it are quicker than what is compared
-        elif candidate.known and all(
-            e.chain == "clock" or e.search.device == "transmission" for e in candidate.effects
+        elif candidate.devices or (
+            candidate.known and all(e.chain == "clock" for e in candidate.effects)
         ):
             least *= QUICK
         much = np.maximum(least * self.rms, self.usual)

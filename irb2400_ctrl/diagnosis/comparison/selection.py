@@ -60,7 +60,7 @@ class Selection:
             # what it had stood in for is looked for once more, what was chosen beside it again
             self.refused |= dropped
             gone = [s.candidate for s in found if named(s.candidate) in dropped]
-            steps = self._held_again(steps, gone)
+            steps = self._exchanged(steps, gone)
         steps, fit = self._weighty(steps, fit)
         told = zip(steps, self.acceptance.gains(steps, fit), strict=True)
         steps = [replace(step, validation_gain=gain) for step, gain in told]
@@ -171,9 +171,9 @@ class Selection:
             for s in steps
             if not s.candidate.known or (1.0 + self.criteria.two_at_once) * s.gain > most
         ]
-        return kept, fit if len(kept) == len(steps) else self.fitter.fit(
-            [s.candidate for s in kept]
-        )
+        if len(kept) < len(steps):
+            fit = self.fitter.fit([s.candidate for s in kept])
+        return kept, fit
 
     def _clear(self, steps: list[Step], place: int) -> tuple[list[Step], Fit]:
         """The steps and their common fit, one of them with those effects alone that stand clear of
@@ -298,18 +298,14 @@ class Selection:
                 return first
         return non_parametric
 
-    def _exchanged(self, steps: list[Step]) -> list[Step]:
-        """The explanations, those before the last held again beside it."""
-        return self._held_again(steps, [steps[-1].candidate])
-
-    def _held_again(self, steps: list[Step], moved: Sequence[Candidate]) -> list[Step]:
-        """Each explanation held again, given the others, against what acts on a joint of it, if one
-        of these has come or gone; a flexible law also beside a name of other joints, which the base
-        may have been bent to hide. One that no longer counts falls out."""
+    def _exchanged(self, steps: list[Step], gone: Sequence[Candidate] = ()) -> list[Step]:
+        """Each explanation held again, given the others, against what acts on a joint of it, where
+        the last has come, or some have `gone`; a flexible law also beside a name of other joints,
+        which the base may have been bent to hide. One that no longer counts falls out."""
         kept = list(steps)
         n = self.scan.motion.n
-        changed = np.logical_or.reduce([c.acts_on(n) for c in moved])
-        newest = next((c for c in moved if steps and steps[-1].candidate is c), None)
+        newest = None if gone else steps[-1].candidate
+        changed = np.logical_or.reduce([c.acts_on(n) for c in gone or [steps[-1].candidate]])
         for place in reversed(range(len(steps) - (newest is not None))):
             earlier = kept[place].candidate
             there = earlier.acts_on(n)

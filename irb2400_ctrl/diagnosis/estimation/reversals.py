@@ -8,7 +8,7 @@ import numpy as np
 
 from irb2400_ctrl.arrays import Array, Mask
 from irb2400_ctrl.diagnosis.estimation.fit import Fit
-from irb2400_ctrl.diagnosis.preparation.contacts import Contacts
+from irb2400_ctrl.diagnosis.preparation.contacts import Contacts, turns
 from irb2400_ctrl.diagnosis.regressors.bases import Bases
 from irb2400_ctrl.effects.hysteresis import Hysteresis
 from irb2400_ctrl.measurement.prepared_log import STICKING_SPEED, PreparedLog
@@ -32,7 +32,7 @@ def reversal_rows(motion: PreparedLog) -> Mask:
     """Rows near a change of direction or a near stop, shape (rows, n)."""
     turning = np.abs(motion.qd) < STICKING_SPEED
     for j in range(motion.n):
-        turning[np.flatnonzero(np.diff(np.sign(motion.qd[:, j])) != 0), j] = True
+        turning[turns(motion.qd[:, j])[0], j] = True
         turning[:, j] = widened(turning[:, j], round(REVERSAL_TIME / motion.step))
     return motion.at_rows(turning.astype(float)) > 0.5
 

@@ -135,6 +135,13 @@ def built_up(bases: Bases, motion: PreparedLog, left: Array, joint: int) -> Arra
     return found if found[WIDTHS < OF_CONTACTS].sum() > 0.0 else None
 
 
+def turns(speed: Array) -> tuple[npt.NDArray[np.intp], npt.NDArray[np.intp]]:
+    """Changes of direction of a joint's speed (m,): the samples before them, and of the two about
+    each the slower one."""
+    before = np.flatnonzero(np.diff(np.sign(speed)) != 0)
+    return before, before + (np.abs(speed[before]) >= np.abs(speed[before + 1]))
+
+
 def near_turns(
     motion: PreparedLog, joint: int
 ) -> tuple[npt.NDArray[np.intp], npt.NDArray[np.intp]]:
@@ -144,8 +151,7 @@ def near_turns(
     reach = int(ABOUT / motion.step)
     rows: list[npt.NDArray[np.intp]] = []
     turn: list[npt.NDArray[np.intp]] = []
-    for k in np.flatnonzero(np.diff(np.sign(speed)) != 0).tolist():
-        at = k if abs(speed[k]) < abs(speed[k + 1]) else k + 1
+    for at in turns(speed)[1].tolist():
         part = next(one for one in motion.parts if at < one.stop)
         near = np.arange(max(at - reach, part.start), min(at + reach + 1, part.stop))
         # a gap leaves nothing known of any joint
