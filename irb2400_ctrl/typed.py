@@ -9,16 +9,12 @@ from functools import wraps
 from numbers import Integral, Real
 from pathlib import Path
 from types import NoneType, UnionType
-from typing import TYPE_CHECKING, Any, Literal, TypeVar, Union, get_args, get_origin, get_type_hints
+from typing import Any, Literal, TypeVar, Union, get_args, get_origin, get_type_hints
 
 import numpy as np
 
-from irb2400_ctrl.errors import FieldError, InputError
+from irb2400_ctrl.errors import InputError
 
-if TYPE_CHECKING:
-    from pydantic import BaseModel
-
-Table = TypeVar("Table", bound="BaseModel")
 Callee = TypeVar("Callee", bound=Callable[..., Any])
 
 MADE_BY = {
@@ -91,28 +87,6 @@ def typed(made: Callee) -> Callee:
         return made(*args, **kwargs)
 
     return called  # type: ignore[return-value]
-
-
-def validated(table: type[Table], values: Mapping[str, Any]) -> Table:
-    """The table of these values; `FieldError` where pydantic refuses one."""
-    from pydantic import ValidationError
-
-    try:
-        return table.model_validate(values)
-    except ValidationError as error:
-        raise FieldError(str(in_plain_words(table, error))) from error
-
-
-def in_plain_words(table: type, error: Any) -> InputError:
-    """What pydantic's `ValidationError` says of a table's fields, its first problem."""
-    first = error.errors()[0]
-    says = first["msg"].removeprefix("Value error, ")
-    place = ".".join(map(str, first["loc"]))
-    if not place:
-        return InputError(f"{table.__name__}: {says}")
-    found = f"no {place}" if first["type"] == "missing" else f"{place} = {first['input']!r:.60}"
-    names = ", ".join(getattr(table, "model_fields", ()))
-    return InputError(f"{table.__name__}: found {found} ({says}); it has {names}")
 
 
 def _stated(made: Callable[..., Any], signature: inspect.Signature) -> dict[str, Any]:

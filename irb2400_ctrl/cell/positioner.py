@@ -11,7 +11,7 @@ from typing import Annotated, Literal, Protocol, Self, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import Field, model_validator
 
 from irb2400_ctrl.arrays import Array, is_pose
 from irb2400_ctrl.cell.external_axes import TABLE as AXES
@@ -39,10 +39,8 @@ class _Moved(Protocol):
 Movable = TypeVar("Movable", bound=_Moved)
 
 
-class PositionerAxis(BaseModel):
+class PositionerAxis(Table):
     """One turning axis at zero angles, in the positioner's own frame."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
     direction: Vector3
     point_m: Vector3
@@ -66,11 +64,9 @@ class PositionerAxis(BaseModel):
         return X
 
 
-class Positioner(BaseModel):
+class Positioner(Table):
     """Two axes one on the other: `tilt` on the floor, `turn` carried by it, the work-piece on
     `turn`."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
     name: str = "positioner"
     source: Annotated[str, Field(min_length=1)]

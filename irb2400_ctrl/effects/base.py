@@ -26,7 +26,7 @@ from typing import Any, ClassVar, Literal, Self
 import casadi as ca
 import numpy as np
 import numpy.typing as npt
-from pydantic import AliasChoices, BaseModel, ConfigDict, Field
+from pydantic import AliasChoices, Field
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.effects.ambiguity import Ambiguity
@@ -36,7 +36,7 @@ from irb2400_ctrl.effects.registry import LIBRARY, load_effects, register, sourc
 from irb2400_ctrl.effects.search import Search
 from irb2400_ctrl.effects.signals import Signals
 from irb2400_ctrl.effects.transmission import Transmission
-from irb2400_ctrl.typed import validated
+from irb2400_ctrl.table import Table
 
 Acts = Literal["force", "parameters", "measurement", "transmission"]
 Role = Literal["force", "parameters", "measurement"]
@@ -50,11 +50,9 @@ STANDARD_GRAVITY = 9.81
 """[m/s2], as the robot file of the paper's arm has it"""
 
 
-class Effect(BaseModel, ABC):
+class Effect(Table, ABC):
     """A physical effect. Final subclasses give `kind`, fields with units, `basis`, `coefficients`
     and their inverse."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
     acts: ClassVar[Acts] = "force"
     """on the arm as a force, on the arm's own parameters, in the measuring chain, or in the
@@ -188,7 +186,7 @@ class Effect(BaseModel, ABC):
     @classmethod
     def of(cls, joint: int | None, **fields: Any) -> Self:
         """The validated effect of these fields; FieldError: one is unknown, missing or wrong."""
-        return validated(cls, {"joint": joint, **fields})
+        return cls(joint=joint, **fields)
 
     @classmethod
     def representative(cls, joint: int | None, inertia: float, duration: float) -> Self:

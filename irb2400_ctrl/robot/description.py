@@ -26,7 +26,6 @@ from irb2400_ctrl.robot.link import Coupling, Link, ModifiedDH, Tool, Transform
 from irb2400_ctrl.robot.outline import Outline
 from irb2400_ctrl.robot.table import Table, Vector3
 from irb2400_ctrl.robot.uncertainty import Uncertainty
-from irb2400_ctrl.typed import validated
 
 STRIBECK_RAD_S = 0.01
 """speed at which static friction would fade where the file states none; typical of such gears"""
@@ -336,7 +335,7 @@ class Robot(Table):
             FieldError: a field that it does not have, or a value that makes no robot.
         """
         fields = {name: getattr(self, name) for name in type(self).model_fields}
-        return validated(type(self), {**fields, **(update or {})})
+        return type(self)(**{**fields, **(update or {})})
 
 
 def _read_only(array: Array) -> Array:

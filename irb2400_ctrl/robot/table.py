@@ -1,11 +1,12 @@
-"""What every table of a robot file is: immutable, no unknown keys, no infinite numbers."""
+"""Numbers as the tables of a robot file hold them."""
 
 from __future__ import annotations
 
-from functools import cached_property
 from typing import Annotated
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import Field
+
+from irb2400_ctrl.table import Table as Table
 
 Positive = Annotated[float, Field(gt=0)]
 NotNegative = Annotated[float, Field(ge=0)]
@@ -14,11 +15,3 @@ Range = tuple[float, float]
 
 UNKNOWN = "unknown"
 """the source of a number that nobody has stated"""
-
-
-class Table(BaseModel):
-    """One table of the robot file."""
-
-    model_config = ConfigDict(
-        frozen=True, extra="forbid", allow_inf_nan=False, ignored_types=(cached_property,)
-    )

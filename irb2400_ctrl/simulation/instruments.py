@@ -3,35 +3,16 @@ stream adds."""
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Self
+from typing import Annotated
 
-from pydantic import (
-    BaseModel,
-    ConfigDict,
-    Field,
-    ModelWrapValidatorHandler,
-    ValidationError,
-    model_validator,
-)
+from pydantic import Field
 
-from irb2400_ctrl.typed import in_plain_words
+from irb2400_ctrl.table import Table
 
 NotNegative = Annotated[float, Field(ge=0)]
 
 
-class _Instrument(BaseModel):
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
-
-    @model_validator(mode="wrap")
-    @classmethod
-    def _in_plain_words(cls, given: Any, read: ModelWrapValidatorHandler[Self]) -> Self:
-        try:
-            return read(given)
-        except ValidationError as error:
-            raise in_plain_words(cls, error) from error
-
-
-class Sensors(_Instrument):
+class Sensors(Table):
     """Measuring chain of a drive, as seen by the controller and by the log.
 
     The speed is the filtered difference of the quantised angle, as drives make it: qd' = 2 pi f
@@ -50,7 +31,7 @@ class Sensors(_Instrument):
     """rate of the data stream"""
 
 
-class Actuators(_Instrument):
+class Actuators(Table):
     """The torque path from the controller's output to the arm."""
 
     delay_samples: Annotated[int, Field(ge=0, le=1)] = 1

@@ -3,13 +3,11 @@ them."""
 
 from __future__ import annotations
 
-from functools import cached_property
 from typing import Annotated, Any, Self
 
 import numpy as np
 from pydantic import (
     AfterValidator,
-    BaseModel,
     ConfigDict,
     Discriminator,
     Field,
@@ -21,14 +19,7 @@ from pydantic import (
 from irb2400_ctrl.effects import LIBRARY, Effect, effect_class
 from irb2400_ctrl.effects.base import COMMON
 from irb2400_ctrl.errors import InputError
-
-
-class Table(BaseModel):
-    """A table of the study file."""
-
-    model_config = ConfigDict(
-        frozen=True, extra="forbid", allow_inf_nan=False, ignored_types=(cached_property,)
-    )
+from irb2400_ctrl.table import Table as Table
 
 
 def _form(value: object) -> str:
@@ -80,11 +71,11 @@ class PayloadSpread(Table):
     com_m: Vector = (0.0, 0.0, 0.0)
 
 
-class EffectDraw(BaseModel):
+class EffectDraw(Table):
     """An effect of the plant: its kind, where it may sit, the ranges of its parameters (all other
     keys)."""
 
-    model_config = ConfigDict(frozen=True, extra="allow", allow_inf_nan=False)
+    model_config = ConfigDict(extra="allow")
     __pydantic_extra__: dict[str, AnyQuantity]
 
     kind: str

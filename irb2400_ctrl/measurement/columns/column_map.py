@@ -33,11 +33,13 @@ from pathlib import Path
 from typing import Annotated, Literal, Self
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+from pydantic import Field, ValidationError, model_validator
 
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.measurement.columns.two_part_time import COUNTED, TimePair
 from irb2400_ctrl.reading import bounded_text, toml_tables
+from irb2400_ctrl.robot.file_problems import explain
+from irb2400_ctrl.table import Table
 from irb2400_ctrl.typed import typed
 
 TIME = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ticks": 1e-7, "ns": 1e-9}
@@ -50,11 +52,7 @@ UNITS = {
 }
 
 
-class _Strict(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True)
-
-
-class TimeColumn(_Strict):
+class TimeColumn(Table):
     """Which column is the time, and its unit; or how many samples a second there are."""
 
     column: str | None = None
@@ -93,7 +91,7 @@ _COUNTS = re.compile(r"\{j(0|\+\d+)?\}")
 PER_JOINT = ("gear_ratio", "Nm_per_A", "full_scale_Nm", "factor", "sign")
 
 
-class Column(_Strict):
+class Column(Table):
     """One column of the file.
 
     Args:
@@ -190,7 +188,7 @@ def _one(value: Numbers) -> float:
     return number
 
 
-class ColumnMap(_Strict):
+class ColumnMap(Table):
     """All columns that count; the others are kept aside."""
 
     time: TimeColumn | None = None
@@ -239,8 +237,5 @@ def load_column_map(path: Path | str) -> ColumnMap:
         text = bounded_text(path, "a column map (TOML)")
         return ColumnMap.model_validate(toml_tables(text, str(path)))
     except ValidationError as error:
-        wrong = "; ".join(
-            f"{'.'.join(str(part) for part in item['loc'])}: {item['msg']}"
-            for item in error.errors()[:5]
-        )
-        raise InputError(f"{path}: {wrong} (docs/logs.md says what a column map holds)") from error
+        wrong = explain(str(path), "column map", error, [ColumnMap, TimeColumn, Column])
+        raise InputError(f"{wrong}\n  docs/logs.md says what a column map holds") from error
