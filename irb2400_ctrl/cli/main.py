@@ -57,7 +57,7 @@ def _options(
     """Plan, control, simulate, generate C and diagnose an ABB IRB 2400 from one model.
 
     Exit code 0: done. 2: the input was wrong; a line says what was found and what was expected.
-    1: a fault of irb2400 itself, or generated code that did not pass its check.
+    1: a fault of irb2400 itself, or generated code that did not pass its check. 130: interrupted.
     """
 
 

@@ -43,6 +43,8 @@ Standing = Mapping[str, frozenset[Stamp]]
 """name in the folder -> the stamps of the file, or of the files in the folder of that name"""
 
 _NAMED = 6
+INTERRUPTED = 130
+"""exit code, as of what a shell sees end by Ctrl-C"""
 
 
 @dataclass(frozen=True)
@@ -82,9 +84,16 @@ def answers(verb: Callable[..., Summary]) -> Callable[..., None]:
         del kwargs["config"]
         out = kwargs.get("out")
         before = _standing(out, read_files())
+        stood = _standing(out)
+        new = out is not None and not out.exists()
         try:
             with redirect_stdout(sys.stderr) if as_json else nullcontext():
                 found = verb(*args, **kwargs)
+        except KeyboardInterrupt:
+            print(f"irb2400: interrupted; {_done(stood, _standing(out))}", file=sys.stderr)
+            if new and out is not None and out.is_dir() and not any(out.iterdir()):
+                out.rmdir()
+            raise typer.Exit(INTERRUPTED) from None
         except Exception as error:
             if left := _left_over(before, _standing(out)):
                 error.add_note(_says(out, left))
@@ -135,12 +144,13 @@ def _takes_robot(signature: inspect.Signature) -> bool:
 
 
 def _standing(out: Path | None, read: Iterable[Path] = ()) -> Standing:
-    """What is in the folder now, without what the command reads; nothing where there is none."""
-    if out is None or not out.is_dir():
+    """What is in the folder now, or the file, without what the command reads; nothing where there
+    is none."""
+    if out is None or not out.exists():
         return {}
     inputs = {path.resolve() for path in read}
     found = {}
-    for entry in out.iterdir():
+    for entry in out.iterdir() if out.is_dir() else [out]:
         files = _files(entry)
         if files and not entry.name.startswith(".") and inputs.isdisjoint(files):
             found[entry.name] = frozenset((s.st_ino, s.st_mtime_ns) for s in map(Path.stat, files))
@@ -152,8 +162,16 @@ def _left_over(before: Standing, now: Standing) -> list[str]:
     return sorted(name for name in before if before[name] == now.get(name))
 
 
+def _done(before: Standing, now: Standing) -> str:
+    """What was written until an interruption."""
+    names = sorted(name for name in now if now[name] != before.get(name))
+    return f"written until then: {', '.join(names)}" if names else "nothing was written"
+
+
 def _says(out: Path | None, names: list[str]) -> str:
     """One sentence about them."""
+    if out is not None and out.is_file():
+        return f"{out}: from before, and no result of this command"
     more = f" and {len(names) - _NAMED} more" if len(names) > _NAMED else ""
     shown = ", ".join(names[:_NAMED])
     return f"{out}: from before, and no result of this command: {shown}{more}"

@@ -11,9 +11,7 @@ import typer
 from irb2400_ctrl.cli.command_line import provenance
 from irb2400_ctrl.cli.options import OutOption, input_file, output_folder
 from irb2400_ctrl.cli.progress import step
-from irb2400_ctrl.cli.summary import Summary, answers
-
-INTERRUPTED = 130
+from irb2400_ctrl.cli.summary import INTERRUPTED, Summary, answers
 
 
 @answers

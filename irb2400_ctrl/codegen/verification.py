@@ -81,6 +81,8 @@ class Verification:
     max_difference: dict[str, float]
     """largest difference to the block in double on this computer, per state and output, in the
     field's unit"""
+    units: dict[str, str]
+    """of these"""
     max_relative_difference: float
     """the largest of them, relative to the field's largest magnitude"""
     faults_held: bool | None
@@ -123,14 +125,15 @@ class Verification:
         """A few lines for a terminal."""
         rows = [("package", f"{self.package} ({self.real})"), ("target", self.target)]
         if self.faults_held is not None:
-            worst = max(
+            where, worst = max(
                 self.max_difference.items(), key=lambda item: item[1], default=("nothing", 0.0)
             )
+            unit = self.units.get(where, "")
             rows.append(("states checked", f"{self.states}"))
             rows.append(
                 (
                     "largest difference",
-                    f"{worst[1]:.3g} in {worst[0]}; relative {self.max_relative_difference:.2g}",
+                    f"{worst:.3g} {unit} in {where}; relative {self.max_relative_difference:.2g}",
                 )
             )
             rows.append(
@@ -242,6 +245,8 @@ def verify(package: Package, processor: Target | None, states: int = STATES) -> 
         host_compiler=compiler,
         host_flags=" ".join(EXACT_FLAGS),
         max_difference=differences,
+        units={f"{f.name} (next)": f.unit for f in package.block.states}
+        | {f.name: f.unit for f in package.block.outputs},
         max_relative_difference=relative,
         faults_held=held,
         on_target=figures,

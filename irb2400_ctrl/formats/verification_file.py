@@ -48,6 +48,7 @@ class VerificationFile(Table):
     max_difference: dict[str, NotNegative] = Field(
         description="of each state and output, from the block in double, in its unit"
     )
+    units: dict[str, str] = Field(description="of these differences")
     max_relative_difference: NotNegative | None = Field(description="null: nothing was compared")
     faults_held: bool | None = Field(description="null: nothing was tried")
     on_target: TargetEntry | None = Field(description="null on the host, or without its tools")

@@ -9,6 +9,7 @@ from __future__ import annotations
 import multiprocessing
 import os
 import signal
+import sys
 import traceback
 from collections import Counter, deque
 from collections.abc import Callable, Generator, Iterable
@@ -29,6 +30,8 @@ Work = Callable[[Study, int], CaseOutcome]
 ATTEMPTS = 3
 """how often a case that takes its worker down is tried"""
 DEATHS_IN_A_ROW = 10
+TO_TIDY_S = 5.0
+"""a worker that is dismissed in the middle of a case has to take its temporary files along"""
 
 
 @dataclass(frozen=True)
@@ -137,6 +140,8 @@ def _hand_over(worker: _Worker) -> None:
 def _dismiss(worker: _Worker) -> int | None:
     worker.connection.close()
     worker.process.terminate()
+    worker.process.join(TO_TIDY_S)
+    worker.process.kill()
     worker.process.join()
     code = worker.process.exitcode
     worker.process.close()
@@ -149,6 +154,7 @@ def _serve(connection: Connection, study: Study, work: Work, environment: dict[s
     os.environ.update(environment)
     # Ctrl-C at a terminal reaches all processes; the first one decides, and dismisses the others
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit())
     while True:
         try:
             case = connection.recv()

@@ -116,12 +116,17 @@ def test_the_cmake_project_builds(tmp_path: Path) -> None:
 def test_export_verifies_on_this_computer(
     make: Callable[[], Block], real: str, tmp_path: Path
 ) -> None:
-    verification = export_package(make(), tmp_path / "deep" / "out", real=real)  # type: ignore[arg-type]
+    block = make()
+    verification = export_package(block, tmp_path / "deep" / "out", real=real)  # type: ignore[arg-type]
     assert verification.passed, verification.table()
     assert verification.faults_held
     assert verification.states >= 1000
     assert verification.on_target is None
     assert "passed" in verification.table()
+    assert verification.units.keys() == verification.max_difference.keys()
+    for name in verification.units:
+        one = dataclasses.replace(verification, max_difference={name: 2e-9})
+        assert f"2e-09 {one.units[name]} in {name}; relative" in one.table()
     written = (tmp_path / "deep" / "out" / "verification.json").read_text()
     assert written == verification.to_json()
     assert str(tmp_path) not in written

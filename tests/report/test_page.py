@@ -224,7 +224,7 @@ def test_scripts_keep_to_themselves(name: str) -> None:
 
 def test_a_package_that_nothing_compiled_is_not_called_different() -> None:
     missing = ("found no C compiler (looked for cc); expected one",)
-    numbers = (1e-3, 1024, "", "", {}, np.inf)
+    numbers = (1e-3, 1024, "", "", {}, {}, np.inf)
     one = Verification("p", {}, "host", "double", *numbers, None, None, missing)
     assert _compared(one) == "written, not checked: found no C compiler"
     wrong = replace(one, faults_held=True)

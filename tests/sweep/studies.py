@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import signal
+import tempfile
 import time
 from pathlib import Path
 
@@ -104,6 +105,16 @@ def dies_four_times(study: Study, index: int) -> CaseOutcome:
     """Case 7 takes its worker down four times; it is marked as 107, which no other work is."""
     if index == 7 and mark(100 + index) <= 4:
         os._exit(17)
+    return quick(study, index)
+
+
+def holds_a_folder(study: Study, index: int) -> CaseOutcome:
+    """Every case but the first holds a temporary folder beside the marks."""
+    if index:
+        with tempfile.TemporaryDirectory(dir=os.environ[TRACE]):
+            time.sleep(60.0)
+    while not any(Path(os.environ[TRACE]).iterdir()):
+        time.sleep(0.01)
     return quick(study, index)
 
 
