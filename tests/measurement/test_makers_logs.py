@@ -116,8 +116,14 @@ def test_pulses_of_axes_called_by_letters(tmp_path: Path) -> None:
     ]
     values = np.column_stack([1e3 * LOG.time, 1000.0 * LOG.q, 2.0 * LOG.tau])
     path = written(tmp_path / "a.csv", "", names, values)
-    with pytest.raises(InputError, match=r"no column q1_deg.*S-axis FB pulse"):
+    with pytest.raises(InputError, match=r"no column q1_deg.*S-axis FB pulse") as error:
         read_log(path)
+    proposed = str(error.value)
+    assert (
+        'file = "S-axis FB pulse"\njoint = 1\nquantity = "q"\nunit = "rev"\nfactor = nan'
+        in proposed
+    )
+    assert 'file = "T-axis torque[%]"\njoint = 6\nquantity = "tau"\nunit = "percent"' in proposed
     entries = ['[time]\ncolumn = "Time[ms]"\nunit = "ms"']
     for j, axis in enumerate("SLURBT", 1):
         entries.append(
@@ -131,6 +137,42 @@ def test_pulses_of_axes_called_by_letters(tmp_path: Path) -> None:
     columns = tmp_path / "map.toml"
     columns.write_text("\n".join(entries))
     same(read_log(path, columns=load_column_map(columns)), LOG, 1e-6)
+
+
+@pytest.mark.parametrize(
+    ("angle", "torque"),
+    [
+        ("{} [deg]", "{} [Nm]"),
+        ("R1:{}-axis feedback position (deg)", "R1:{}-axis torque (Nm)"),
+        ("pos_{}_deg", "torque_{}_Nm"),
+    ],
+)
+def test_axes_called_by_letters(angle: str, torque: str, tmp_path: Path) -> None:
+    """In whatever order the columns stand."""
+    names = ["Time [s]", *map(angle.format, "TBRULS"), *map(torque.format, "SLURBT")]
+    values = np.column_stack([LOG.time, Q[:, ::-1], LOG.tau])
+    same(read_log(written(tmp_path / "a.csv", "", names, values)), LOG, 1e-6)
+
+
+def test_the_axis_called_e_is_the_third_of_seven(tmp_path: Path) -> None:
+    """It is the last in tables, and turns the lower arm."""
+    axes = "SLURBTE"
+    names = ["Time [s]", *(f"{a} [deg]" for a in axes), *(f"{a} [Nm]" for a in axes)]
+    seventh = np.linspace(0.0, 1.0, len(Q))
+    values = np.column_stack([LOG.time, Q, seventh, LOG.tau, 2.0 * seventh])
+    log = read_log(written(tmp_path / "a.csv", "", names, values))
+    np.testing.assert_allclose(np.degrees(log.q[:, 2]), seventh, atol=1e-8)
+    np.testing.assert_allclose(log.tau, np.insert(LOG.tau, 2, 2.0 * seventh, axis=1), atol=1e-6)
+
+
+def test_letters_without_a_unit_or_an_axis_are_not_taken(tmp_path: Path) -> None:
+    names = ["Time [s]", *"SLURBT", *(f"{a} [Nm]" for a in "SLURBT")]
+    values = np.column_stack([LOG.time, Q, LOG.tau])
+    with pytest.raises(InputError, match=r"'S' has no unit, expected 'S \[deg\]'"):
+        read_log(written(tmp_path / "a.csv", "", names, values))
+    names[1:7] = [f"{a} [deg]" for a in "SLURBX"]
+    with pytest.raises(InputError, match=r"no column q1_deg"):
+        read_log(written(tmp_path / "b.csv", "", names, values))
 
 
 def test_lists_without_quotes_are_refused_with_what_helps(tmp_path: Path) -> None:

@@ -24,7 +24,6 @@ from irb2400_ctrl.errors import InputError, IrbError
 from irb2400_ctrl.report.pages.sweep_page import sweep_page
 from irb2400_ctrl.sweep import load_study, run_sweep, summary_text
 from irb2400_ctrl.sweep.journal import log_path
-from irb2400_ctrl.sweep.pool import run_on_cores
 from irb2400_ctrl.sweep.table import summarise
 
 
@@ -106,15 +105,6 @@ def test_an_error_of_the_program_ends_the_sweep_and_keeps_what_is_done(tmp_path:
     with pytest.raises(IrbError, match="a mistake of ours"):
         run_sweep(study, tmp_path / "out", workers=1, work=studies.broken)
     assert len((tmp_path / "out" / "cases.jsonl").read_text().splitlines()) == 1 + 3
-
-
-@posix_only
-def test_a_worker_that_is_dismissed_leaves_no_temporary_files(tmp_path: Path, trace: Path) -> None:
-    results = run_on_cores(small(tmp_path), range(2), 2, studies.holds_a_folder)
-    next(results)
-    assert len(list(trace.iterdir())) == 1
-    results.close()
-    assert list(trace.iterdir()) == []
 
 
 def test_an_interrupted_sweep_goes_on_where_it_was(tmp_path: Path, trace: Path) -> None:

@@ -18,6 +18,8 @@ from collections.abc import Iterable
 
 import numpy as np
 
+from irb2400_ctrl.measurement.columns.axis_letters import numbered
+
 UNITS = {
     "deg": ("q", np.pi / 180),
     "rad": ("q", 1.0),
@@ -90,12 +92,13 @@ def time_scale(name: str) -> float | None:
 
 def without_source(names: Iterable[str]) -> dict[str, str]:
     """Every name, and the same without what stands before all that tell a joint: a controller, a
-    unit.
+    unit; joints that are called by letters are numbered.
 
     Only what holds a digit, stands before the joint and ends in a blank or a stroke is left out: a
     word such as `Soll` before all names says what the columns are.
     """
-    given = list(names)
+    told = numbered(names)
+    given = list(told.values())
     signals = [name for name in given if _JOINT.search(name.lower()) is not None]
     # what the first and the last in order share, all between them share
     first, last = (min(signals), max(signals)) if len(signals) > 1 else ("", "")
@@ -104,8 +107,8 @@ def without_source(names: Iterable[str]) -> dict[str, str]:
     prefix = first[: min([same.index(False) if False in same else 0, *joints])]
     prefix = prefix[: max(prefix.rfind(mark) for mark in " :./|") + 1]
     if not re.search(r"\d", prefix):
-        return {name: name for name in given}
-    return {name: name.removeprefix(prefix) for name in given}
+        return told
+    return {name: short.removeprefix(prefix) for name, short in told.items()}
 
 
 def joint_signal(name: str) -> tuple[str, int, float] | None:

@@ -13,6 +13,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.measurement.columns.axis_letters import lettered
 from irb2400_ctrl.measurement.columns.recorder_names import unit_by_step
 from irb2400_ctrl.measurement.columns.two_part_time import COUNTED, time_pair
 
@@ -32,6 +33,7 @@ NEWTON_METRES = r"(?<![a-z])(?:[km]?n[ ·⋅.*-]?m|ncm)(?![a-z])"
 TURNS = r"(?<![a-z])(rev|revs|turns|umdrehungen)(?![a-z/])"
 TURNS_A_MINUTE = r"rpm|/min|min-(?=\W*$)"
 DEGREE_OR_RAD = r"deg|°(?!c)|(?<!g)rad(?!i(?!an))|grad(?!i)"
+PULSES = r"puls|counts"
 CURRENT = r"cur(?!rent_as_torque)|(?<![a-z])(courant|corrente|corriente)(?![a-z])|電流|电流"
 QUANTITIES = {
     "tau": rf"{TORQUE}|{CURRENT}|(?<!co)eff|load|force|m(?=act)|^m?t\W*$|{NEWTON_METRES}",
@@ -80,7 +82,8 @@ def suggested_map(columns: Mapping[str, Array], joints: Sequence[str] | None = N
         columns: of the file, by name.
         joints: names of the robot's joints in their order, where they are known.
     """
-    patterns = _numbered(columns) | _named(columns, joints or ())
+    by_letter = {NAMED.join(form): names for form, names in lettered(columns).items()}
+    patterns = _numbered(columns) | by_letter | _named(columns, joints or ())
     chosen: dict[str, tuple[int, int, str]] = {}
     rivals: dict[str, list[str]] = {}
     for pattern in patterns:
@@ -225,6 +228,8 @@ def _unit(quantity: str, words: str, degrees: bool) -> list[str]:
         return _unit_of_torque(words, gear, motor if MOTOR.search(words) else [])
     if re.search(TURNS_A_MINUTE if quantity == "qd" else TURNS, words):
         return [f'unit = "{"rpm" if quantity == "qd" else "rev"}"', *motor]
+    if re.search(PULSES, words):
+        return ['unit = "rev"', "factor = nan   # turns of the joint a pulse, signed"]
     stated = re.search(DEGREE_OR_RAD, words)
     in_degrees = degrees if stated is None else stated[0] != "rad"
     return [f'unit = "{UNITS[quantity][in_degrees]}"', *motor * bool(MOTOR.search(words))]

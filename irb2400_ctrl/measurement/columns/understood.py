@@ -254,11 +254,11 @@ def _expect_all(table: Table, signal: str, names: dict[int, str], n: int) -> Non
         wanted = ", ".join(
             " or ".join(form.format(_numbered(signal, j)) for form in forms) for j in missing
         )
-        bare = [name for name in table.columns if without_unit(name)]
+        plain = without_source(table.columns)
+        bare = [name for name, short in plain.items() if without_unit(short)]
         hint = "".join(
             f"; {name!r} has no unit, expected '{name} [deg]' or a column map" for name in bare[:1]
         )
-        plain = without_source(table.columns)
         strange = [(name, strange_word(short) or ("", "")) for name, short in plain.items()]
         hint += "".join(
             f"; {name!r} is not taken for the measured signal because of the word {word!r}: say "
