@@ -3,12 +3,16 @@ numbers."""
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 
 import numpy as np
 
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.measurement.table import Table
+
+_MARKED = re.compile(r"[+-]?\d{1,3}(?:[.,'’ \u00a0\u202f]\d{3})+(?:[.,]\d+)?")
+"""a number with marks between its thousands"""
 
 
 def without_blank_rows(table: Table, signals: set[str]) -> Table:
@@ -54,11 +58,13 @@ def all_finite(table: Table, used: set[str]) -> None:
         )
         first = row == 0 and (table.rows is None or table.rows[0] == 0)
         word = table.words.get(name, "") if first else ""
+        marked = _MARKED.fullmatch(word) is not None
+        wanted = "no mark between thousands" if marked else "numbers (a time in seconds)"
         raise InputError(
             f"{table.path}: {count} cells are not finite numbers, the first is {name} in "
             f"{table.place(row)}"
             + (
-                f", where {word[:40]!r} stands; expected numbers (a time in seconds)"
+                f", where {word[:40]!r} stands; expected {wanted}"
                 if word
                 else "; expected numbers everywhere: delete the rows of lost samples"
             )

@@ -11,7 +11,7 @@ import pytest
 from measured_logs import made, same
 
 from irb2400_ctrl.errors import InputError
-from irb2400_ctrl.measurement import read_log
+from irb2400_ctrl.measurement import Log, read_log
 from irb2400_ctrl.plausibility.channels import channel_problem
 
 J = range(1, 7)
@@ -228,6 +228,41 @@ def test_thousands_are_no_decimals(separator: str, form: str, tmp_path: Path) ->
     text = table(["Time [ms]", *SIGNALS], [times, *Q, *torques], separator)
     with pytest.raises(InputError, match=r"in line 2, where '[\d,.]+' stands"):
         read_log(written(tmp_path / "a.csv", text))
+
+
+@pytest.mark.parametrize("form", ["{:,.2f}", "{:_.2f}"])
+def test_marks_between_thousands_are_named(form: str, tmp_path: Path) -> None:
+    def cells(column: np.ndarray) -> list[str]:
+        given = (form.format(9000 + v) for v in column)
+        return [text.translate(str.maketrans(",._", ".,'")) for text in given]
+
+    text = table(["Time [ms]", *SIGNALS], [[f"{k}" for k in MS], *Q, *map(cells, LOG.tau.T)], ";")
+    with pytest.raises(InputError, match=r"expected no mark between thousands"):
+        read_log(written(tmp_path / "a.csv", text))
+
+
+def test_points_among_decimal_commas_are_refused_where_they_may_be_thousands(
+    tmp_path: Path,
+) -> None:
+    """A rounded torque `1.234` beside `987` was 1.234 Nm."""
+    angles = [[f"{v:.6f}".replace(".", ",") for v in column] for column in np.degrees(LOG.q).T]
+    header = ["Time [ms]", *SIGNALS]
+
+    def read(cells: list[str]) -> Log:
+        others = [[f"{v:.6f}".replace(".", ",") for v in column] for column in LOG.tau.T[1:]]
+        columns = [[f"{k}" for k in MS], *angles, cells, *others]
+        return read_log(written(tmp_path / "a.csv", table(header, columns, ";")))
+
+    rounded = [f"{900 + 10 * k:,}".replace(",", ".") for k in range(len(MS))]
+    told = r"line 12: found '1.000' in cell 8 \(.*\) of a file.*it may be 1000 or 1,000"
+    with pytest.raises(InputError, match=told):
+        read(rounded)
+    # the point is a decimal one in a part of the cells
+    with pytest.raises(InputError, match=r"line 2: found '1.500' in cell 8"):
+        read(["1.500" if k % 2 == 0 else "1,5" for k in range(len(MS))])
+    # in a column of points alone 0.25 tells what they are
+    points = [f"{0.25 * k:.3f}" for k in range(len(MS))]
+    np.testing.assert_allclose(read(points).tau[:, 0], 0.25 * np.arange(len(MS)), atol=1e-9)
 
 
 @pytest.mark.parametrize(

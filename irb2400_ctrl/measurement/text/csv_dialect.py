@@ -34,7 +34,7 @@ class Dialect:
 
     def cells(self, line: str) -> list[str]:
         """Of one line, without quotes and blanks around them."""
-        return [part.strip().strip('"').strip() for part in self.split(line)]
+        return list(map(bare, self.split(line)))
 
     def names(self, line: str, row: str) -> list[str]:
         """Of a header; with blanks in them above columns of one width.
@@ -55,6 +55,11 @@ class Dialect:
         if '"' in line and line.count('"') % 2 == 0:
             return next(csv.reader([line], delimiter=self.separator, skipinitialspace=True))
         return line.split(self.separator)
+
+
+def bare(cell: str) -> str:
+    """A cell without quotes and blanks around it."""
+    return cell.strip().strip('"').strip()
 
 
 def dialect_of(path: Path, lines: list[str]) -> Dialect:

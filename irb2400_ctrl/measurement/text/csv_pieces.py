@@ -16,7 +16,8 @@ from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.measurement.table import numbers_of
 from irb2400_ctrl.measurement.text.clock_times import Midnights, seconds_of_day
-from irb2400_ctrl.measurement.text.csv_dialect import EMPTY, Dialect
+from irb2400_ctrl.measurement.text.csv_dialect import EMPTY, Dialect, bare
+from irb2400_ctrl.measurement.text.mixed_decimals import MixedDecimals
 from irb2400_ctrl.reading import text_blocks
 
 _BLANKS = re.compile(r"\s+")
@@ -107,6 +108,7 @@ def slow_pieces(
     width = len(header)
     columns = [array("d") for _ in names]
     midnights = {header[k]: Midnights() for k in body.clocks}
+    mixed = MixedDecimals() if body.dialect.decimal == "," else None
     torn: InputError | None = None
     rows = 0
 
@@ -137,11 +139,15 @@ def slow_pieces(
             continue
         place = f"{body.path}, line {number}"
         _same_joints(body, cells, place)
+        if mixed is not None:
+            mixed.look(number, ["" if k in body.clocks else bare(c) for k, c in enumerate(cells)])
         for column, value in zip(columns, _values(body, cells, widths, place), strict=True):
             column.append(value)
         rows += 1
         if rows % SLOW_ROWS == 0:
             yield so_far()
+    if mixed is not None:
+        mixed.check(body.path, header)
     if rows % SLOW_ROWS:
         yield so_far()
 
@@ -196,6 +202,6 @@ def _values(body: Body, cells: list[str], widths: dict[int, int], place: str) ->
 
 def _number(cell: str, decimal: str) -> float:
     try:
-        return float(cell.strip().strip('"').replace(decimal, "."))
+        return float(bare(cell).replace(decimal, "."))
     except ValueError:
         return np.nan
