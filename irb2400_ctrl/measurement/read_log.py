@@ -31,7 +31,7 @@ from irb2400_ctrl.measurement.other_files import refuse_other_files
 from irb2400_ctrl.measurement.ros_table import read_ros_table
 from irb2400_ctrl.measurement.stretch import Cut, Stretch
 from irb2400_ctrl.measurement.table import Table
-from irb2400_ctrl.reading import lvm_blocks, sheet_blocks, text_blocks
+from irb2400_ctrl.reading import lvm_blocks, refuse_stand_in, sheet_blocks, text_blocks
 from irb2400_ctrl.typed import typed
 
 READERS = {
@@ -92,6 +92,7 @@ def read_log(
             f"{path}: found a robot or a map of columns, expected a log; a robot is given with "
             "--robot, a map with --columns"
         )
+    refuse_stand_in(path)
     refuse_other_files(path)
     cut = None
     if between is not None:

@@ -19,6 +19,8 @@ LIGHT_KG = 0.2
 """a body that weighs less may be small"""
 LEAST_GYRATION_M = 2e-3
 """smallest radius of gyration of one that weighs more [m]"""
+BESIDE = 0.5
+"""distance of a centre of mass from its link over the distances between the arm's axes"""
 POSTURES = 200
 """in which the arm's weight is felt"""
 OVERLOADED = 3.0
@@ -46,7 +48,7 @@ def plausibility(robot: Robot) -> list[str]:
             notes.append(f"{link.name}: its joint is {length:.4g} m further on; it looks like mm")
         notes += _body(link.name, link.body, most)
     notes += _masses(robot)
-    notes += _weight(robot)
+    notes += _beside(robot, reach) or _weight(robot)
     if robot.tool is not None:
         notes += _body(robot.tool.name, robot.tool.body, most)
     notes += [issue.sentence for issue in check(robot) if issue.kind != "massless"]
@@ -73,6 +75,26 @@ def _gravity(robot: Robot) -> list[str]:
     if g[2] > 0.9 * size:
         return ["gravity points up in the base frame: the sign is wrong unless the arm hangs"]
     return []
+
+
+def _beside(robot: Robot, reach: float) -> list[str]:
+    """Several centres of mass far from the way between the axes of their links."""
+    found = {}
+    frames = [*(link.frame for link in robot.links[1:]), robot.flange]
+    for link, frame in zip(robot.links, frames, strict=True):
+        com = np.array(link.body.com_m)
+        end = frame.matrix()[:3, 3]
+        length = float(end @ end)
+        along = float(np.clip(com @ end / length, 0.0, 1.0)) if length else 0.0
+        distance = float(np.linalg.norm(com - along * end))
+        if reach > 0.0 and link.body.mass_kg > 0.0 and BESIDE * reach < distance <= FAR_M:
+            found[link.name] = f"{distance:.2g}"
+    if len(found) < 2:
+        return []
+    return [
+        f"{', '.join(found)}: the centres of mass are {', '.join(found.values())} m beside their "
+        "links; it looks like the base's frame, expected each in its own link's"
+    ]
 
 
 def _weight(robot: Robot) -> list[str]:

@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.reading.stand_in import refuse_stand_in
 
 MOST_BYTES = 10_000_000
 """of a file that people write by hand"""
@@ -40,6 +41,7 @@ def bounded_text(path: Path, what: str, most: int = MOST_BYTES) -> str:
         raise InputError(
             f"{path} cannot be read ({error.strerror or error}), expected {what}"
         ) from error
+    refuse_stand_in(path)
     if len(data) > most:
         raise InputError(f"{path} has more than {most / 1e6:g} MB, expected {what}")
     try:

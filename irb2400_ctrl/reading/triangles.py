@@ -8,6 +8,7 @@ import numpy as np
 
 from irb2400_ctrl.arrays import Array, Integers
 from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.reading.stand_in import stands_in
 
 MOST_BYTES = 500_000_000
 MOST_TRIANGLES = 5_000_000
@@ -70,6 +71,8 @@ def _not_triangles(path: Path) -> str:
     kind = path.suffix.lower()
     if kind in _SOLIDS:
         return f"found {kind}, a CAD model; expected triangles: export it as STL"
+    if found := stands_in(path):
+        return found
     size = path.stat().st_size
     with path.open("rb") as file:
         head = file.read(_STL_HEAD)

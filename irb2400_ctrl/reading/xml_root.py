@@ -7,6 +7,7 @@ from pathlib import Path
 from xml.parsers import expat
 
 from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.reading.stand_in import refuse_stand_in
 
 MOST_BYTES = 50_000_000
 DEEPEST = 200
@@ -22,6 +23,7 @@ def xml_root(path: Path, what: str) -> ET.Element:
     Raises:
         InputError: cannot be read, not XML, larger or deeper than such a file is.
     """
+    refuse_stand_in(path)
     tree = ET.TreeBuilder()
     depth = 0
 

@@ -311,6 +311,13 @@ def test_a_xacro_is_told_how_it_is_expanded(tmp_path: Path) -> None:
         imported(tmp_path, "arm.xacro", ur5("link_1", "${prefix}link_1"))
 
 
+def test_a_property_that_nothing_asks_for_needs_no_expansion(tmp_path: Path) -> None:
+    """As in files that were written by hand after one of xacro."""
+    text = ur5("<robot ", '<robot xmlns:xacro="http://www.ros.org/wiki/xacro" ')
+    text = text.replace("</robot>", '<xacro:property name="width" value=".2"/></robot>')
+    assert imported(tmp_path, "a.urdf", text).links == imported(tmp_path, "a.urdf", ur5()).links
+
+
 def test_a_urdf_in_the_place_of_a_robot_file_is_told_how_to_become_one(tmp_path: Path) -> None:
     """It was "not TOML"."""
     path = tmp_path / "ur5e.urdf"

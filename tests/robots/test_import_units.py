@@ -116,3 +116,25 @@ def test_what_is_wrong_with_slow_runs_is_said_alone() -> None:
     for part in ("95 % of a torque limit", "110 % of a speed", "5.7 deg", "0.050 m above"):
         assert part in several
     assert several.count("; they ") == 4
+
+
+def test_centres_of_mass_in_the_frame_of_the_base_are_said(tmp_path: Path) -> None:
+    """Torques of six times the limits "look like grams" in such a file, and the last link's centre
+    was 1.4 m off."""
+    heights = iter((0.05, 0.1, 0.3, 0.6, 0.75, 0.8, 0.85))
+    text = re.sub(
+        r'(<inertial>\s*<origin xyz=")[^"]+',
+        lambda found: f"{found[1]}0 0 {next(heights)}",
+        UR5,
+    )
+    notes = plausibility(read(text, tmp_path))
+    told = [note for note in notes if "it looks like the base's frame" in note]
+    assert len(told) == 1
+    assert re.match(r"link_\d, .*: the centres of mass are 0\.\d+, ", told[0]), told
+    assert not [note for note in notes if "grams" in note]
+
+
+def test_endless_limits_are_none(tmp_path: Path) -> None:
+    text = re.sub(r'(effort|velocity)="[^"]+"', r'\1="inf"', UR5)
+    found = read(text, tmp_path)
+    assert all(j.limits.torque_Nm is None and j.limits.speed_deg_s is None for j in found.joints)

@@ -80,6 +80,7 @@ MEASURED = {
     *("achse", "gelenk", "ist", "istwert", "gemessen", "istposition", "istwinkel", "istmoment"),
     *("istdrehmoment", "istgeschwindigkeit"),
     *("角度", "位置", "实际", "实际角度", "实际位置", "实际力矩", "力矩", "扭矩", "速度"),
+    *("トルク", "関節角度", "関節トルク", "実測"),
 }
 """words of a measured signal; with any other word a name may mean something else"""
 

@@ -75,8 +75,10 @@ def _one_parent(path: Path, joints: tuple[TreeJoint, ...]) -> None:
 
 
 def _is_xacro(root: ET.Element) -> bool:
+    """Whether something has to be expanded; a property that nothing asks for has not."""
     return any(
-        "xacro" in str(element.tag) or any("${" in v for v in element.attrib.values())
+        ("xacro" in str(element.tag) and not str(element.tag).endswith("property"))
+        or any("${" in v for v in element.attrib.values())
         for element in root.iter()
     )
 
@@ -99,8 +101,8 @@ def _joint(path: Path, element: ET.Element) -> TreeJoint:
         X=_origin(where, element.find("origin")),
         axis=np.array([1.0, 0.0, 0.0]) if axis is None else _vector(where, axis.get("xyz", ""), 3),
         range=None if kind == "continuous" or ends == (None, None) else (low, high),
-        speed=_optional(where, limit, "velocity"),
-        effort=_optional(where, limit, "effort"),
+        speed=_limit(where, limit, "velocity"),
+        effort=_limit(where, limit, "effort"),
         damping=_optional(where, dynamics, "damping"),
         dry=_optional(where, dynamics, "friction"),
         mimics=None if mimic is None else mimic.get("joint"),
@@ -225,6 +227,13 @@ def _optional(where: str, element: ET.Element | None, key: str) -> float | None:
     return _number(where, str(element.get(key)))
 
 
+def _limit(where: str, element: ET.Element | None, key: str) -> float | None:
+    """A limit; none where it is infinite, as simulators have it."""
+    text = "" if element is None else element.get(key, "")
+    endless = text.strip().lstrip("+").lower() in {"inf", "infinity"}
+    return None if endless else _optional(where, element, key)
+
+
 def _number(where: str, text: str) -> float:
     return float(_vector(where, text, 1)[0])
 
@@ -235,5 +244,6 @@ def _vector(where: str, text: str, count: int) -> Array:
     except ValueError:
         values = []
     if len(values) != count or not np.isfinite(values).all():
-        raise InputError(f"{where}: found {text!r}, expected {count} finite numbers")
+        wanted = "a finite number" if count == 1 else f"{count} finite numbers"
+        raise InputError(f"{where}: found {text!r}, expected {wanted}")
     return np.array(values)

@@ -55,6 +55,13 @@ def test_holes(tmp_path: Path, number: int, more: dict[str, float], heights: lis
     assert [e.seconds for e in found.events if e.kind == "dwell"] == [0.5] * ("q211" in more)
 
 
+@pytest.mark.parametrize("blank", ["", " "])
+def test_blanks_within_the_number_of_a_cycle(tmp_path: Path, blank: str) -> None:
+    """As posts write them, in whatever language."""
+    body = f"4 CYCL DEF9{blank}.0 VERWEILZEIT\n5 CYCL DEF9{blank}.1 V.ZEIT5\n6 L X+5 F100\n"
+    assert [e.seconds for e in operation(tmp_path, body).events if e.kind == "dwell"] == [5.0]
+
+
 @pytest.mark.parametrize("breaks", [0.0, 3.0])
 def test_chip_breaking_of_the_control_is_said_to_differ(tmp_path: Path, breaks: float) -> None:
     more = {"q202": 5.0, "q213": breaks, "q256": 0.4}

@@ -6,6 +6,7 @@ import codecs
 from pathlib import Path
 
 from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.reading import refuse_stand_in
 
 LARGEST = 200_000_000
 BOMS = (
@@ -30,6 +31,7 @@ def read_text(path: Path) -> str:
         raise InputError(
             f"no path file {path}: expected a CSV, APT/CLDATA, G-code or Heidenhain file"
         )
+    refuse_stand_in(path)
     size = path.stat().st_size
     if size > LARGEST:
         raise InputError(f"{path} has {size / 1e6:.0f} MB, expected at most 200; split the file")

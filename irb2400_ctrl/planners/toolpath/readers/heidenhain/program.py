@@ -18,7 +18,7 @@ from irb2400_ctrl.planners.toolpath.readers.heidenhain.statements import Stateme
 from irb2400_ctrl.planners.toolpath.readers.program_builder import ProgramBuilder
 
 _MOVES = re.compile(r"^(LN|LP|L|CC|CR|CP|C)(?=\s|$)\s*(.*)$")
-_CYCLE = re.compile(r"^CYCLE?\s+DEF\s+(\d+)(?:\.(\d+))?\s*(.*)$")
+_CYCLE = re.compile(r"^CYCLE?\s+DEF\s*(\d+)(?:\s*\.(\d+))?\s*(.*)$")
 _CALL = re.compile(r"^CYCLE?\s+CALL\s*(POS|PAT|M(?=\d))?\s*(.*)$")
 _NUMBER = re.compile(r"[-+]?\s*(?:\d+\.?\d*|\.\d+)")
 QUIET_CYCLES = {13: "orientation of the spindle", 32: "tolerance", 332: "tolerance"}
