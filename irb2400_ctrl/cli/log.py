@@ -123,7 +123,7 @@ def lines(check: LogCheck) -> list[str]:
     if check.sound:
         against = "" if check.robot is None else f" and fits {check.robot}"
         if check.robot is not None and check.left is None:
-            against = f"; too short to be held against {check.robot}"
+            against = f"; not held against {check.robot}"
         found.append(f"sound: the log is what its columns say{against}")
     else:
         assert check.problem is not None

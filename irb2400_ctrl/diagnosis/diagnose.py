@@ -88,10 +88,15 @@ def diagnose(
 
     Raises:
         InputError: the log does not fit the robot, is too short, or is broken; the validation is
-            not understood, or the log itself.
+            not understood, or the log itself; no link of the robot has a mass.
     """
     change = reference is not None
     robot = robot if reference is None else reference
+    if robot.weightless:
+        raise InputError(
+            f"{robot.name}: found no link with a mass, expected a model that may lack something; "
+            "make bodies of logs of the sound arm with `irb2400 identify`, or state them"
+        )
     # the matrices are small: threads would only wait for each other
     with one_thread():
         progress("understand")

@@ -44,9 +44,14 @@ def branch_solver(robot: Robot) -> BranchSolver:
         InputError: an arm of other than six axes: a pose leaves an axis free, or cannot be reached.
     """
     if robot.n != 6:
+        instead = (
+            "hold one axis: make a robot file in which it is part of the frame of the next link"
+            if robot.n > 6
+            else "with fewer it meets few of the poses that a path asks for"
+        )
         raise InputError(
             f"{robot.name}: inverse kinematics knows arms of six axes, this one has {robot.n}; "
-            "hold one axis: make a robot file in which it is part of the frame of the next link"
+            f"{instead}"
         )
     try:
         geometry = arm_geometry(robot)

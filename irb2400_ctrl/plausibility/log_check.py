@@ -113,12 +113,22 @@ def log_problem(robot: Robot | None, log: Log) -> LogProblem | None:
     Raises:
         InputError: another number of joints than the robot's.
     """
-    return examined(robot, log).problem
+    return examined(robot, log, by_torques=_has_weight(robot)).problem
+
+
+def _has_weight(robot: Robot | None) -> bool:
+    """Whether torques can tell the robot's log from another's."""
+    return robot is not None and not robot.weightless
 
 
 @one_thread()
-def examined(robot: Robot | None, log: Log) -> Examined:
-    """The problem as of `log_problem`, and what else a log shows."""
+def examined(robot: Robot | None, log: Log, *, by_torques: bool = True) -> Examined:
+    """The problem as of `log_problem`, and what else a log shows.
+
+    Args:
+        robot, log: as of `log_problem`.
+        by_torques: whether the torques are held against the robot's model.
+    """
     if robot is not None and robot.n != log.n:
         raise InputError(f"{log.name}: found {log.n} joints, expected {robot.n} as in {robot.name}")
     broken = channel_problem(log)
@@ -126,7 +136,8 @@ def examined(robot: Robot | None, log: Log) -> Examined:
         broken = silent_problem(robot, log)
     # stamps that scatter by a good part of a period would make accelerations of nothing
     even = with_time_base(log)
-    understood = None if robot is None or broken is not None else understand(robot, even)
+    asked = robot is not None and broken is None and by_torques
+    understood = understand(robot, even) if robot is not None and asked else None
     problem = broken or _problem(robot, even, understood)
     told = () if robot is None else _beyond_limits(robot, even)
     stands: tuple[str, ...] = ()
@@ -196,10 +207,11 @@ def check_log(robot: Robot | None, log: Log) -> LogCheck:
     Raises:
         InputError: another number of joints than the robot's.
     """
-    found = examined(robot, log)
+    found = examined(robot, log, by_torques=_has_weight(robot))
     problem = found.problem
     usable = problem is None or not problem.unusable
-    noise = None if robot is None or not usable else torque_from_angle_noise(robot, log)
+    asked = robot is not None and usable and not robot.weightless
+    noise = torque_from_angle_noise(robot, log) if robot is not None and asked else None
     return LogCheck(
         name=log.name,
         robot=None if robot is None else robot.name,
@@ -275,6 +287,11 @@ def _remarks(robot: Robot | None, log: Log) -> list[str]:
         found.append(
             f"{log.duration:.2g} s are too short to be held against the robot's model "
             f"({SHORTEST:.2g} s)"
+        )
+    if robot is not None and robot.weightless:
+        found.append(
+            "no link of the robot file has a mass: nothing tells whether the log is this robot's; "
+            "`irb2400 identify` makes bodies of logs"
         )
     idle = [j + 1 for j in range(log.n) if np.ptp(log.q[:, j]) < 0.02]
     if idle:

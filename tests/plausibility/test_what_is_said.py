@@ -6,10 +6,13 @@ from dataclasses import replace
 from functools import cache
 
 import numpy as np
+import pytest
 from sound_logs import Drawn, sound_log
 
-from irb2400_ctrl.plausibility import log_problem
-from irb2400_ctrl.robot import load_robot
+import irb2400_ctrl as irb
+from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.plausibility import check_log, log_problem
+from irb2400_ctrl.robot import Body, load_robot
 
 ROBOT = load_robot("irb2400")
 
@@ -50,3 +53,24 @@ def test_an_order_of_several_exchanges_is_said_as_one() -> None:
     )
     assert problem.fits == {"columns": [4, 1, 2, 3, 5, 6]}
     assert problem.joints == (1, 2, 3, 4)
+
+
+def test_a_robot_file_without_masses_tells_nothing_of_a_log() -> None:
+    """As files of ROS-Industrial are: a sound log of the arm was "another robot"."""
+    nothing = Body(mass_kg=0.0, com_m=(0.0, 0.0, 0.0), inertia_kgm2=(0.0,) * 6)
+    links = tuple(link.model_copy(update={"body": nothing}) for link in ROBOT.links)
+    bare = ROBOT.model_copy(update={"links": links, "tool": None})
+    log = plain().log
+    found = check_log(bare, log)
+    assert found.sound
+    assert found.left is None
+    assert found.made_by_angles is None
+    assert "no link of the robot file has a mass" in found.remarks[0]
+    assert "irb2400 identify" in found.remarks[0]
+    assert log_problem(bare, log) is None
+    # what the columns show of themselves, and the ranges, count as before
+    far = log_problem(bare, replace(log, q=120.0 * log.q, qd=None, q_ref=None))
+    assert far is not None
+    assert far.kind == "angle_scale"
+    with pytest.raises(InputError, match=r"no link with a mass.*irb2400 identify"):
+        irb.diagnose(bare, log)

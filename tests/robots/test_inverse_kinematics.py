@@ -157,6 +157,16 @@ def test_seven_axes_are_refused_with_a_way_out() -> None:
         irb.Model(robot("panda")).inverse_kinematics(np.eye(4))
 
 
+def test_five_axes_are_not_told_to_hold_one() -> None:
+    arm = irb.load_robot("puma560")
+    kept = {name: getattr(arm, name)[:5] for name in ("links", "joints")}
+    eye = tuple(tuple(float(i == j) for j in range(5)) for i in range(5))
+    coupling = arm.coupling.model_copy(update={"matrix": eye, "offset_rad": (0.0,) * 5})
+    five = arm.model_copy(update={**kept, "coupling": coupling})
+    with pytest.raises(InputError, match=r"this one has 5; with fewer it meets few of the poses"):
+        irb.Model(five).inverse_kinematics(np.eye(4))
+
+
 @pytest.mark.parametrize("name", SIX_AXES)
 def test_the_factors_are_the_determinant(name: str) -> None:
     model = irb.Model(robot(name))
