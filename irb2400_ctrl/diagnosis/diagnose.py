@@ -45,6 +45,7 @@ from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.measurement.joined_log import prepare_together
 from irb2400_ctrl.measurement.log import Log
 from irb2400_ctrl.measurement.prepared_log import PreparedLog, prepare
+from irb2400_ctrl.model.plausibility import unknown_bodies
 from irb2400_ctrl.plausibility import LogProblem
 from irb2400_ctrl.robot import Robot, Uncertainty
 from irb2400_ctrl.system import free_memory
@@ -92,10 +93,10 @@ def diagnose(
     """
     change = reference is not None
     robot = robot if reference is None else reference
-    if robot.weightless:
+    if why := unknown_bodies(robot):
         raise InputError(
-            f"{robot.name}: found no link with a mass, expected a model that may lack something; "
-            "make bodies of logs of the sound arm with `irb2400 identify`, or state them"
+            f"{robot.name}: {why}, expected a model that may lack something; make bodies of logs "
+            "of the sound arm with `irb2400 identify`, or state them"
         )
     # the matrices are small: threads would only wait for each other
     with one_thread():

@@ -123,18 +123,26 @@ def _weight(robot: Robot) -> list[str]:
 
 def _masses(robot: Robot) -> list[str]:
     """Links without mass, of which no torque shows the first alone; and placeholders."""
-    bodies = [link.body for link in robot.links]
     without = [link.name for link in robot.links[1:] if not _weighs(link.body)]
     if without:
         verb = "have" if len(without) > 1 else "has"
         return [f"{', '.join(without)} {verb} no mass; expected a mass above zero"]
-    numbers = {(body.mass_kg, tuple(body.com_m), tuple(body.inertia_kgm2)) for body in bodies}
-    if len(bodies) > 2 and len(numbers) == 1:
+    if unknown_bodies(robot) and not robot.weightless:
         return [
             "all links have the same mass data: placeholders, and torques mean nothing with them; "
             "expected those of the arm (irb2400 identify fits them to logs)"
         ]
     return []
+
+
+def unknown_bodies(robot: Robot) -> str:
+    """Why the robot file says nothing of its links' bodies; empty where it does."""
+    if robot.weightless:
+        return "no link has a mass"
+    bodies = [link.body for link in robot.links]
+    numbers = {(body.mass_kg, tuple(body.com_m), tuple(body.inertia_kgm2)) for body in bodies}
+    same = len(bodies) > 2 and len(numbers) == 1
+    return "all links have the same mass data, placeholders" if same else ""
 
 
 def _weighs(body: Body) -> bool:

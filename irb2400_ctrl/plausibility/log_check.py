@@ -13,6 +13,7 @@ from irb2400_ctrl.measurement.log import Log
 from irb2400_ctrl.measurement.log_facts import LogFacts, log_facts
 from irb2400_ctrl.measurement.prepared_log import prepare
 from irb2400_ctrl.measurement.time_base import with_time_base
+from irb2400_ctrl.model.plausibility import unknown_bodies
 from irb2400_ctrl.plausibility.agreement import (
     command_problem,
     command_remarks,
@@ -113,12 +114,12 @@ def log_problem(robot: Robot | None, log: Log) -> LogProblem | None:
     Raises:
         InputError: another number of joints than the robot's.
     """
-    return examined(robot, log, by_torques=_has_weight(robot)).problem
+    return examined(robot, log, by_torques=_has_bodies(robot)).problem
 
 
-def _has_weight(robot: Robot | None) -> bool:
+def _has_bodies(robot: Robot | None) -> bool:
     """Whether torques can tell the robot's log from another's."""
-    return robot is not None and not robot.weightless
+    return robot is not None and not unknown_bodies(robot)
 
 
 @one_thread()
@@ -207,10 +208,10 @@ def check_log(robot: Robot | None, log: Log) -> LogCheck:
     Raises:
         InputError: another number of joints than the robot's.
     """
-    found = examined(robot, log, by_torques=_has_weight(robot))
+    found = examined(robot, log, by_torques=_has_bodies(robot))
     problem = found.problem
     usable = problem is None or not problem.unusable
-    asked = robot is not None and usable and not robot.weightless
+    asked = usable and _has_bodies(robot)
     noise = torque_from_angle_noise(robot, log) if robot is not None and asked else None
     return LogCheck(
         name=log.name,
@@ -288,10 +289,10 @@ def _remarks(robot: Robot | None, log: Log) -> list[str]:
             f"{log.duration:.2g} s are too short to be held against the robot's model "
             f"({SHORTEST:.2g} s)"
         )
-    if robot is not None and robot.weightless:
+    if robot is not None and (why := unknown_bodies(robot)):
         found.append(
-            "no link of the robot file has a mass: nothing tells whether the log is this robot's; "
-            "`irb2400 identify` makes bodies of logs"
+            f"in the robot file {why}: nothing tells whether the log is this robot's; `irb2400 "
+            "identify` makes bodies of logs"
         )
     idle = [j + 1 for j in range(log.n) if np.ptp(log.q[:, j]) < 0.02]
     if idle:

@@ -55,22 +55,26 @@ def test_an_order_of_several_exchanges_is_said_as_one() -> None:
     assert problem.joints == (1, 2, 3, 4)
 
 
-def test_a_robot_file_without_masses_tells_nothing_of_a_log() -> None:
+@pytest.mark.parametrize(
+    ("mass", "says"), [(0.0, "no link has a mass"), (1.0, "the same mass data, placeholders")]
+)
+def test_a_robot_file_without_bodies_tells_nothing_of_a_log(mass: float, says: str) -> None:
     """As files of ROS-Industrial are: a sound log of the arm was "another robot"."""
-    nothing = Body(mass_kg=0.0, com_m=(0.0, 0.0, 0.0), inertia_kgm2=(0.0,) * 6)
-    links = tuple(link.model_copy(update={"body": nothing}) for link in ROBOT.links)
+    size = (mass, mass, mass, 0.0, 0.0, 0.0)
+    same = Body(mass_kg=mass, com_m=(0.0, 0.0, 0.0), inertia_kgm2=size)
+    links = tuple(link.model_copy(update={"body": same}) for link in ROBOT.links)
     bare = ROBOT.model_copy(update={"links": links, "tool": None})
     log = plain().log
     found = check_log(bare, log)
     assert found.sound
     assert found.left is None
     assert found.made_by_angles is None
-    assert "no link of the robot file has a mass" in found.remarks[0]
+    assert says in found.remarks[0]
     assert "irb2400 identify" in found.remarks[0]
     assert log_problem(bare, log) is None
     # what the columns show of themselves, and the ranges, count as before
     far = log_problem(bare, replace(log, q=120.0 * log.q, qd=None, q_ref=None))
     assert far is not None
     assert far.kind == "angle_scale"
-    with pytest.raises(InputError, match=r"no link with a mass.*irb2400 identify"):
+    with pytest.raises(InputError, match=rf"{says}, expected a model.*irb2400 identify"):
         irb.diagnose(bare, log)
