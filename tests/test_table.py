@@ -67,3 +67,4 @@ def test_a_wrong_column_map_says_its_problems_one_by_one(tmp_path) -> None:
     assert "columns[1]: unit 'degrees', expected one of rad, deg, rev" in told
     assert "columns[2].faktor: unknown key; did you mean factor?" in told
     assert "Value error" not in told
+    assert "at least 1" not in told

@@ -24,7 +24,12 @@ def explain(
         tables: all tables of such a file, for the key that may have been meant.
     """
     lines = []
-    for item in error.errors():
+    items = error.errors()
+    for item in items:
+        inside = (other for other in items if other is not item)
+        if item["type"] == "too_short" and any(o["loc"][:1] == item["loc"] for o in inside):
+            # the entries are there, with problems of their own
+            continue
         parts = [part for part in item["loc"] if part not in _TAGS]
         place = "".join(
             f"[{part + 1}]" if isinstance(part, int) else f".{part}" for part in parts
