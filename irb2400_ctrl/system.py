@@ -5,9 +5,46 @@ from __future__ import annotations
 import ctypes
 import os
 import platform
+import signal
+import threading
+import time
 from functools import cache
 from pathlib import Path
+from types import FrameType
 from typing import Any
+
+_AGAIN = 0.01
+_PATIENCE = 1.0
+"""[s] that an interruption waits for a call to end, and between two looks"""
+
+
+def interrupt_outside(wrapper: str) -> None:
+    """Have Ctrl-C interrupt between the calls of a module that forgets what is raised within one,
+    as CasADi's operators do; after a second within.
+
+    Where the system has no such timer, or somebody else minds Ctrl-C, nothing changes.
+
+    Args:
+        wrapper: the name of its file.
+    """
+    known = signal.getsignal(signal.SIGINT) is signal.default_int_handler
+    alone = threading.current_thread() is threading.main_thread()
+    if not (hasattr(signal, "setitimer") and known and alone):
+        return
+    pressed = 0.0
+
+    def interrupted(number: int, frame: FrameType | None) -> None:
+        nonlocal pressed
+        now = time.monotonic()
+        pressed = now if number == signal.SIGINT else pressed
+        within = frame is not None and Path(frame.f_code.co_filename).name == wrapper
+        if within and now - pressed < _PATIENCE:
+            signal.setitimer(signal.ITIMER_REAL, _AGAIN)
+            return
+        raise KeyboardInterrupt
+
+    signal.signal(signal.SIGALRM, interrupted)
+    signal.signal(signal.SIGINT, interrupted)
 
 
 def user_number() -> int | None:

@@ -86,9 +86,10 @@ def run() -> None:
     writes is moved to its name when it is whole, so nothing is half there.
     """
     from irb2400_ctrl.errors import InputError, IrbError
-    from irb2400_ctrl.system import give_back_large_arrays
+    from irb2400_ctrl.system import give_back_large_arrays, interrupt_outside
 
     give_back_large_arrays()
+    interrupt_outside("casadi.py")
     # as `arrays.one_thread`, before numpy is loaded; what sets another number is obeyed
     for library in ("OPENBLAS", "MKL"):
         os.environ.setdefault(f"{library}_NUM_THREADS", "1")

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import os
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
 from command_line import irb2400
+from only_posix import posix_only
 
 from irb2400_ctrl.planners import Plan
 
@@ -50,3 +54,41 @@ def test_a_single_file_is_named_as_well(tmp_path: Path, monkeypatch: pytest.Monk
     done = irb2400("robot", "new", "--out", "arm.toml", cwd=tmp_path)
     assert done.returncode == 130
     assert done.stderr == "irb2400: interrupted; written until then: arm.toml\n"
+
+
+FORGETS = """
+import os
+import signal
+
+
+def add():
+    try:
+        os.kill(os.getpid(), signal.SIGINT)
+        sum(range(200_000))
+    except KeyboardInterrupt:
+        pass
+"""
+
+
+@posix_only
+def test_an_interruption_within_what_forgets_it_is_heard_behind_it(tmp_path: Path) -> None:
+    """An operator of CasADi dropped it, and the plan went on."""
+    (tmp_path / "forgets.py").write_text(FORGETS)
+    code = (
+        "import signal, sys, time\n"
+        "from irb2400_ctrl.system import interrupt_outside\n"
+        "import forgets\n"
+        "signal.signal(signal.SIGINT, signal.default_int_handler)\n"
+        "interrupt_outside('forgets.py') if sys.argv[1:] else None\n"
+        "try:\n"
+        "    forgets.add()\n"
+        "    time.sleep(0.5)\n"
+        "    print('went on')\n"
+        "except KeyboardInterrupt:\n"
+        "    print('interrupted')\n"
+    )
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(tmp_path), *sys.path])}
+    for more, says in ((["outside"], "interrupted\n"), ([], "went on\n")):
+        command = [sys.executable, "-c", code, *more]
+        done = subprocess.run(command, capture_output=True, text=True, env=environment)
+        assert done.stdout == says, done.stderr
