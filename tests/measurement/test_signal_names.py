@@ -233,3 +233,10 @@ def test_the_word_that_keeps_a_column_from_being_a_signal(
     name: str, found: tuple[str, str] | None
 ) -> None:
     assert strange_word(name) == found
+
+
+def test_columns_in_japanese(tmp_path: Path) -> None:
+    log = made()
+    names = ["時間[ms]", *(f"J{j}角度[deg]" for j in JOINTS), *(f"J{j}トルク[Nm]" for j in JOINTS)]
+    path = written(tmp_path / "a.csv", names, degrees(log), separator=",", comma=False)
+    same(read_log(path), log, 1e-6)

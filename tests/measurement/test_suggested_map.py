@@ -60,7 +60,7 @@ NAMES = {
     "French": {"Temps [s]": T, "Axe {j} [deg]": DEG / 2, "Couple axe {j} [Nm]": TAU},
     "Spanish": {"Tiempo (s)": T, "Eje {j} (deg)": DEG / 2, "Par eje {j} (Nm)": TAU},
     "Italian": {"Tempo [s]": T, "Asse {j} [gradi]": DEG / 2, "Coppia {j} [Nm]": TAU},
-    "Japanese": {"時間 [s]": T, "J{j}角度 [deg]": DEG / 2, "J{j}トルク [Nm]": TAU},
+    "Japanese": {"時間 [s]": T, "J{j}角 [deg]": DEG / 2, "J{j}トルク [Nm]": TAU},
     "bare": {"t": T, "q_{j}": Q, "dq_{j}": SPEED, "tau_{j}": TAU},
     "from zero": {"time": T, "q{j0}": Q, "dq{j0}": SPEED, "tau{j0}": TAU},
     "words": {"timestamp": T, "joint_{j}_pos": Q, "joint_{j}_vel": SPEED, "joint_{j}_torque": TAU},

@@ -14,6 +14,7 @@ import numpy as np
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.measurement.columns.axis_letters import lettered
+from irb2400_ctrl.measurement.columns.joint_words import FEWEST, worded
 from irb2400_ctrl.measurement.columns.recorder_names import unit_by_step
 from irb2400_ctrl.measurement.columns.two_part_time import COUNTED, time_pair
 
@@ -82,8 +83,7 @@ def suggested_map(columns: Mapping[str, Array], joints: Sequence[str] | None = N
         columns: of the file, by name.
         joints: names of the robot's joints in their order, where they are known.
     """
-    by_letter = {NAMED.join(form): names for form, names in lettered(columns).items()}
-    patterns = _numbered(columns) | by_letter | _named(columns, joints or ())
+    patterns = _patterns(columns, joints or ())
     chosen: dict[str, tuple[int, int, str]] = {}
     rivals: dict[str, list[str]] = {}
     for pattern in patterns:
@@ -121,6 +121,21 @@ def suggested_map(columns: Mapping[str, Array], joints: Sequence[str] | None = N
         ". A column map for it (--columns map.toml); quantities and units are guessed, check "
         "them:\n\n" + "\n".join(lines)
     )
+
+
+def _patterns(columns: Mapping[str, Array], joints: Sequence[str]) -> dict[str, list[str]]:
+    """Names with a place for the joint, and the columns in the order of the joints."""
+    found = {NAMED.join(form): names for form, names in lettered(columns).items()}
+    words = worded(columns, len(joints) or None)
+    for pattern, names in _numbered(columns).items():
+        # three of six joints may be counted
+        few = len(names) < FEWEST
+        if not (few and any(set(names) < set(several) for several in words.values())):
+            found[pattern] = names
+    found |= _named(columns, joints)
+    if any(_quantity(pattern)[0] for pattern in found):
+        return found
+    return {NAMED.join(form): names for form, names in words.items()}
 
 
 def _numbered(columns: Mapping[str, Array]) -> dict[str, list[str]]:
