@@ -1,7 +1,8 @@
-"""Mechanical coupling of two neighbouring wrist axes."""
+"""Mechanical coupling of two wrist axes: neighbours, or the first and the third."""
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from collections.abc import Mapping, Sequence
 from typing import Any, ClassVar, Literal, Self
 
@@ -16,36 +17,42 @@ from irb2400_ctrl.effects.prior import Prior
 from irb2400_ctrl.effects.signals import Signals
 
 
-class WristCoupling(Effect):
-    """tau_j = I qdd_k + D qd_k + F sgn qd_k,  tau_k = I qdd_j + D' qd_j + F' sgn qd_j,  k = j + 1.
+class AxisCoupling(Effect):
+    """Joint j and joint k, `along` axes further.
 
     The bevel gears of a wrist turn motor k when joint j moves, so its rotor inertia is felt on both
     axes, and its friction on the one whose motion it resists. One that is symmetric in its viscous
     part does not state D'.
     """
 
-    sentence: ClassVar[str] = "moving this wrist axis drags its neighbour's motor along"
     example: ClassVar[Mapping[str, Any]] = {"inertia_kgm2": 0.05, "viscous_Nms_rad": 0.5}
     ambiguity: ClassVar[Ambiguity] = COUPLING
     # the motor's friction is no straight line over the sum of two speeds
     prior: ClassVar[Prior] = Prior(discrepancy_share=0.35)
     drawing: ClassVar[Drawing] = Drawing("qd")
 
-    kind: Literal["wrist_coupling"] = "wrist_coupling"
     inertia_kgm2: float = Field(default=0.0, description="coupled inertia I [kg m2]")
     viscous_Nms_rad: float = Field(
-        default=0.0, description="viscous friction here by the next one's motion D [Nm s/rad]"
+        default=0.0, description="viscous friction here by the other's motion D [Nm s/rad]"
     )
     neighbour_viscous_Nms_rad: float | None = Field(
         default=None,
         description="viscous friction there by this one's motion D', absent: the same [Nm s/rad]",
     )
-    dry_Nm: float = Field(
-        default=0.0, description="dry friction here by the next one's motion F [Nm]"
-    )
+    dry_Nm: float = Field(default=0.0, description="dry friction here by the other's motion F [Nm]")
     neighbour_dry_Nm: float = Field(
         default=0.0, description="dry friction there by this one's motion F' [Nm]"
     )
+
+    @classmethod
+    @abstractmethod
+    def along(cls) -> int:
+        """How many axes further the other one is."""
+
+    @property
+    def other(self) -> int:
+        """Zero-based place of k."""
+        return self.index + self.along()
 
     @field_validator("discrepancy")
     @classmethod
@@ -55,25 +62,27 @@ class WristCoupling(Effect):
 
     def basis(self, s: Signals) -> ca.SX:
         j = self.index
+        k = self.other
         columns = ca.SX(s.q.numel(), 5)
-        columns[j, 0] = s.qdd[j + 1]
-        columns[j + 1, 0] = s.qdd[j]
-        columns[j, 1] = s.qd[j + 1]
-        columns[j + 1, 2] = s.qd[j]
-        columns[j, 3] = ca.sign(s.qd[j + 1])
-        columns[j + 1, 4] = ca.sign(s.qd[j])
+        columns[j, 0] = s.qdd[k]
+        columns[k, 0] = s.qdd[j]
+        columns[j, 1] = s.qd[k]
+        columns[k, 2] = s.qd[j]
+        columns[j, 3] = ca.sign(s.qd[k])
+        columns[k, 4] = ca.sign(s.qd[j])
         return columns
 
     def discrepancy_basis(self, s: Signals) -> ca.SX:
         j = self.index
+        k = self.other
         columns = ca.SX(s.q.numel(), 8)
         # action and reaction through different ratios, the motor turned along as a load of its own
         for column, signal in enumerate((s.qdd, s.qd)):
-            columns[j, column] = signal[j + 1]
-            columns[j + 1, column] = -signal[j]
+            columns[j, column] = signal[k]
+            columns[k, column] = -signal[j]
             columns[j, column + 2] = signal[j]
         # dry friction that turns over as on every contact, not in a jump
-        ways = ((j, j + 1), (j + 1, j))
+        ways = ((j, k), (k, j))
         turning = [(here, other, v) for here, other in ways for v in NEAR_REVERSAL]
         for column, (here, other, v) in enumerate(turning, start=4):
             speed = s.qd[other]
@@ -107,4 +116,32 @@ class WristCoupling(Effect):
 
     @classmethod
     def joints(cls, n: int) -> Sequence[int | None]:
-        return range(4, n)
+        return range(4, n + 1 - cls.along())
+
+
+class WristCoupling(AxisCoupling):
+    """tau_j = I qdd_k + D qd_k + F sgn qd_k,  tau_k = I qdd_j + D' qd_j + F' sgn qd_j,
+    k = j + 1."""
+
+    sentence: ClassVar[str] = "moving this wrist axis drags its neighbour's motor along"
+
+    kind: Literal["wrist_coupling"] = "wrist_coupling"
+
+    @classmethod
+    def along(cls) -> int:
+        return 1
+
+
+class FarWristCoupling(AxisCoupling):
+    """tau_j = I qdd_k + D qd_k + F sgn qd_k,  tau_k = I qdd_j + D' qd_j + F' sgn qd_j,  k = j + 2.
+
+    The shaft of axis 6 runs through those of axes 4 and 5.
+    """
+
+    sentence: ClassVar[str] = "moving this wrist axis drags the motor of the next but one along"
+
+    kind: Literal["far_wrist_coupling"] = "far_wrist_coupling"
+
+    @classmethod
+    def along(cls) -> int:
+        return 2

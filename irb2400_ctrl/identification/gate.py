@@ -129,8 +129,7 @@ def _grade(ratio: float, seen: bool, partners: Sequence[str]) -> tuple[Grade, st
 
 def motion_for(name: str) -> str:
     """The motion that would show a number."""
-    what, _, rest = name.partition("_")
-    joint = rest.split(" ")[0]
+    what, _, joint = name.split(" ")[0].rpartition("_")
     if what in ("m", "mx", "my", "mz"):
         return f"slow turns of the joints before link {joint} through all of their range"
     if what in NAMES:
@@ -143,5 +142,6 @@ def motion_for(name: str) -> str:
         "stribeck": f"very slow runs of joint {joint}, below 0.02 rad/s",
         "power": f"runs of joint {joint} at several speeds up to its limit",
         "coupling": f"joint {joint} and the next, first one at a time, then both",
+        "far_coupling": f"joint {joint} and the next but one, first one at a time, then both",
         "balancer": f"slow turns of joint {joint} through all of its range",
     }.get(what, f"fast reversals of joint {joint}")

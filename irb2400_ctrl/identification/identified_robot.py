@@ -13,10 +13,12 @@ from irb2400_ctrl.identification.fitting.columns import EXPONENT, ColumnLayout, 
 from irb2400_ctrl.identification.fitting.consistent_fit import pseudo_inertias
 from irb2400_ctrl.robot import Body, Robot
 
+COUPLINGS = {"coupling": "wrist_coupling", "far_coupling": "far_wrist_coupling"}
+"""kinds of effects that extras are"""
 REFITTED = (
     "torque_offset",
     "rotor_inertia",
-    "wrist_coupling",
+    *COUPLINGS.values(),
     "coupled_friction",
     "acceleration_reading",
 )
@@ -106,9 +108,9 @@ def _extra_effects(extra: Extra, numbers: Sequence[float] | Array) -> list[Effec
     """The effects of the library that are one extra."""
     values = [float(v) for v in numbers]
     joint = extra.joint
-    if extra.kind == "coupling":
+    if extra.kind in COUPLINGS:
         here, there, viscous, neighbour_viscous, dry, neighbour_dry = values
-        coupling = LIBRARY["wrist_coupling"].of(
+        coupling = LIBRARY[COUPLINGS[extra.kind]].of(
             joint,
             inertia_kgm2=0.5 * (here + there),
             viscous_Nms_rad=viscous,

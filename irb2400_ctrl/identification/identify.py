@@ -286,6 +286,7 @@ def _notes(moved: Sequence[Moved], found: Fit, errors: Array, said: str) -> list
         )
     kinds = {
         "coupling": "moves with the next joint (gears of a wrist)",
+        "far_coupling": "moves with the next joint but one (gears of a wrist)",
         "balancer": "has a balancer that the file does not name",
         "reading": "reads its torque without part of what accelerates it",
         "stribeck": "has more friction at low speed than the file says",

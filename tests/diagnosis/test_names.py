@@ -147,6 +147,16 @@ def test_a_wrist_coupling_of_one_direction_with_dry_friction_is_named(travel: fl
     assert abs(effect.neighbour_dry_Nm) < 0.3
 
 
+def test_a_wrist_whose_first_axis_turns_the_motor_of_the_third_is_named() -> None:
+    """The shaft of axis 6 runs through those of axes 4 and 5: on the arm of another maker axis 4
+    was told to have something without a name that follows the speed of axis 6."""
+    found = diagnose(ROBOT, with_torque(4, 1.2 * turned_over(6, 1e-6) + 0.3 * speed(6)))
+    assert names(found) == [("far_wrist_coupling", 4)]
+    effect: Any = found.findings[0].effect
+    assert effect.dry_Nm == pytest.approx(1.2, rel=0.25)
+    assert abs(effect.neighbour_dry_Nm) < 0.3
+
+
 def test_a_name_says_what_it_is_worth_on_unseen_stretches() -> None:
     found = diagnose(ROBOT, with_torque(4, 6.0 * np.sin(12.0 * sound().q[:, 3])))
     (finding,) = found.findings

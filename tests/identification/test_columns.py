@@ -19,6 +19,7 @@ def model() -> irb.Model:
 
 EVERYTHING = (
     Extra("coupling", 5),
+    Extra("far_coupling", 4),
     Extra("balancer", 2),
     Extra("reading", 4),
     Extra("stribeck", 3),

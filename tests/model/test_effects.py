@@ -29,6 +29,7 @@ FIELDS: dict[str, dict[str, Any]] = {
     "elastic_joint": {"joint": 2, "stiffness_Nm_rad": 2e5},
     "encoder_zero": {"joint": 3, "zero_rad": 0.004},
     "gear_ripple": {"joint": 4, "amplitude_Nm": 3.0, "order": 37.0, "phase_rad": 0.4},
+    "far_wrist_coupling": {"joint": 4, "inertia_kgm2": 0.1, "viscous_Nms_rad": 0.3},
     "coupled_friction": {"joint": 4, "here_Nm": 0.6, "neighbour_Nm": 0.4},
     "hysteresis": {"joint": 5, "amplitude_Nm": 4.0, "width_rad": 0.02},
     "link_inertia": {"joint": 2, "mass_kg": 8.0, "com_m": (0.3, 0.1, -0.05)},

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from irb2400_ctrl.arrays import Array
-from irb2400_ctrl.identification.fitting.columns import ColumnLayout, Extra
+from irb2400_ctrl.identification.fitting.columns import COUPLED, ColumnLayout, Extra
 from irb2400_ctrl.identification.fitting.cross_validation import overall, unseen_rms
 from irb2400_ctrl.identification.fitting.estimate import (
     MOST_WIDTH,
@@ -32,8 +32,10 @@ PINNED = 1e-8
 
 
 def candidates(n: int) -> tuple[Extra, ...]:
-    """What some arms have: couplings of neighbours in the wrist, balancers, Stribeck."""
-    couplings = [Extra("coupling", joint) for joint in range(4, n)]
+    """What some arms have: couplings in the wrist, balancers, Stribeck."""
+    couplings = [
+        Extra(kind, joint) for kind, along in COUPLED.items() for joint in range(4, n + 1 - along)
+    ]
     balancers = [Extra("balancer", joint) for joint in (2, 3) if joint <= n]
     friction = [Extra(kind, j + 1) for kind in ("stribeck", "power") for j in range(n)]
     return (*couplings, *balancers, *friction)

@@ -17,16 +17,19 @@ from irb2400_ctrl.model import Model
 from irb2400_ctrl.model.base_parameters import NAMES
 
 DRIVE_TERMS = ("coulomb", "viscous", "offset", "rotor")
+COUPLED = {"coupling": 1, "far_coupling": 2}
+"""how many joints further the other one of a coupling is"""
 POSITIVE_TERMS = ("coulomb", "viscous", "rotor", "reading", "power")
 """terms whose numbers cannot be negative"""
+COUPLING_COLUMNS = ("qdd here", "qdd next", "qd here", "qd next", "sign here", "sign next")
 EXTRA_COLUMNS = {
-    "coupling": ("qdd here", "qdd next", "qd here", "qd next", "sign here", "sign next"),
+    **dict.fromkeys(COUPLED, COUPLING_COLUMNS),
     "balancer": ("sin q", "cos q"),
     "stribeck": ("bell",),
     "power": ("root qd",),
     "reading": ("-qdd",),
 }
-"""kinds of extras and their columns; those of a coupling act on this joint and on the next"""
+"""kinds of extras and their columns; those of a coupling act on this joint and on the other"""
 
 EXPONENT = 0.5
 """of friction that grows less than in proportion to speed; beside Coulomb's and the viscous part,
@@ -38,7 +41,7 @@ class Extra:
     """Something that only some arms have.
 
     Args:
-        kind: of `EXTRA_COLUMNS`; joint: from 1; a coupling joins it and the next.
+        kind: of `EXTRA_COLUMNS`; joint: from 1; a coupling joins it and one further on.
     """
 
     kind: str
@@ -53,7 +56,7 @@ class Extra:
     def touches(self) -> tuple[int, ...]:
         """Zero-based joints whose torque it changes."""
         here = self.joint - 1
-        return (here, here + 1) if self.kind == "coupling" else (here,)
+        return (here, here + COUPLED[self.kind]) if self.kind in COUPLED else (here,)
 
 
 @dataclass(frozen=True)
@@ -167,8 +170,8 @@ def _extra_signals(
 ) -> list[tuple[int, Array]]:
     """(zero-based joint, signal) of each column of an extra, in the order of `EXTRA_COLUMNS`."""
     j = extra.joint - 1
-    if extra.kind == "coupling":
-        k = j + 1
+    if extra.kind in COUPLED:
+        k = extra.touches[1]
         pairs = ((j, k), (k, j))
         return [(on, signal[:, by]) for signal in (qdd, qd, np.sign(qd)) for on, by in pairs]
     if extra.kind == "balancer":

@@ -18,6 +18,7 @@ from irb2400_ctrl.diagnosis.preparation.base_prior import (
     named_bodies,
 )
 from irb2400_ctrl.identification.fitting.columns import (
+    COUPLED,
     DRIVE_TERMS,
     EXPONENT,
     ColumnLayout,
@@ -131,8 +132,8 @@ def prior_of(
 def _extra_widths(extra: Extra, wide: Array, speed: Array, acceleration: Array) -> Array:
     """Spread of each number of an extra: what makes the joint's rms torque."""
     j = extra.joint - 1
-    if extra.kind == "coupling":
-        k = j + 1
+    if extra.kind in COUPLED:
+        k = extra.touches[1]
         pairs = ((j, k), (k, j))
         sizes = (acceleration, speed, np.ones_like(speed))
         return np.array([wide[on] / size[by] for size in sizes for on, by in pairs])
