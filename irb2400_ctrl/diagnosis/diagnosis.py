@@ -31,6 +31,10 @@ NEAR_FLOOR = 3.0
 """times the noise floor that may be left on a joint of an explained log, or"""
 LITTLE = 0.1
 """of its rms torque"""
+SLOW = 1.2
+"""times the floor that the spectrum of what is left shows above the motion's frequencies, below
+which it is as strong there: noise with a colour (1.07 at most on three sound arms whose torque
+sensors have it, 1.6 and more where a law was missing)"""
 USUAL = 1.3
 """times what a reference leaves on stretches that its model had not seen"""
 
@@ -242,10 +246,13 @@ class Diagnosis(Displayed):
         """Joints (from 1) on which more is left than noise, and than the model usually leaves."""
         if self.noise is None:
             return ()
-        beyond = [j for j in self.noise.beyond if j not in self.not_excited]
+        left = self.identification.error_after.rmse
+        coloured = [
+            j for j in self.noise.by_means_alone if left[j - 1] < SLOW * self.noise_floor[j - 1]
+        ]
+        beyond = [j for j in self.noise.beyond if j not in (*self.not_excited, *coloured)]
         if self.usual_error is None:
             return tuple(beyond)
-        left = self.identification.error_after.rmse
         return tuple(j for j in beyond if left[j - 1] > USUAL * self.usual_error[j - 1])
 
     @property

@@ -58,6 +58,11 @@ class NoiseTest:
         much = (self.left > self.bar * self.floor) | (self.means > self.means_bar)
         return tuple(int(j) + 1 for j in np.flatnonzero(much))
 
+    @property
+    def by_means_alone(self) -> tuple[int, ...]:
+        """Those of which the means alone say so, as they do of noise with more colour."""
+        return tuple(j for j in self.beyond if self.left[j - 1] <= self.bar * self.floor[j - 1])
+
 
 def noise_test(
     robot: Robot, logs: Sequence[Log], motion: PreparedLog, predicted: Array, unsure: Array
