@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from irb2400_ctrl.arrays import Mask
-from irb2400_ctrl.plausibility.evidence import Fit
+from irb2400_ctrl.arrays import Array, Mask
+from irb2400_ctrl.plausibility.evidence import Fit, Nominal
+from irb2400_ctrl.plausibility.rows import Rows
 
 SOUND_PRICE = 35.0
 """of six joints: below this, with no joint badly explained, nothing else is tried"""
@@ -22,10 +23,37 @@ BEYOND = 200.0
 FITS_PRICE = 150.0
 """of six joints: a reading that leaves more than this does not fit either"""
 
+FEWEST_OTHERS = 3
+"""joints that tell that a log is this robot's, whatever one more has"""
+
 
 def sound(fit: Fit, n: int) -> bool:
     """Whether a reading of n joints is explained so well that no other needs to be tried."""
     return fit.price < SOUND_PRICE * n / 6.0 and bool(fit.left.max() < SOUND_LEFT)
+
+
+def only_one_off(
+    nominal: Nominal, rows: Rows, columns: tuple[Array, Array], labelled: Fit
+) -> int | None:
+    """The joint (from 1) without which a log is sound as labelled: what that joint has is its own.
+
+    A spring at the wrist was 0.6 of its joint's torque; what explained it best, and the other
+    joints less, was the zero of the joint before, 90 degrees off.
+
+    Args:
+        nominal: the robot as a yardstick.
+        rows: of the log as labelled.
+        columns: of their motion.
+        labelled: how well they explain it.
+    """
+    bad = np.flatnonzero(labelled.left >= SOUND_LEFT)
+    n = len(labelled.left)
+    if len(bad) != 1 or n <= FEWEST_OTHERS:
+        return None
+    joint = int(bad[0])
+    others = nominal.beside(rows, columns, joint)
+    told = Fit(others.cost, others.price, np.delete(others.left, joint))
+    return joint + 1 if sound(told, n - 1) else None
 
 
 def clearly_better(

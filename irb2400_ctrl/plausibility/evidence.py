@@ -42,6 +42,8 @@ PER_SECOND = 1.0
 """independent rows per second of motion"""
 MOST_ROWS = 30.0
 """independent rows at most: more of the same motion tells nothing new"""
+ANYTHING = 1e6
+"""the same of a joint that is not asked"""
 MISFITS = (MISFIT, 0.1, 0.05, 0.025)
 """misfits among which `sharp_cost` takes the one that a log supports"""
 ABSURD = 1e4
@@ -137,6 +139,12 @@ class Nominal:
             # what was left of the worst log need not be left of this one
             found = self._fitted(rows, columns, misfit, np.clip(found.left, misfit, most))
         return found
+
+    def beside(self, rows: Rows, columns: tuple[Array, Array], joint: int) -> Fit:
+        """The account of all joints but one (from 0), whose torque may be anything."""
+        most = np.maximum(MISFIT, self.robot.usually_left / rows.size)
+        most[joint] = ANYTHING
+        return self._fitted(rows, columns, MISFIT, most)
 
     def _fitted(self, rows: Rows, columns: tuple[Array, Array], misfit: float, own: Array) -> Fit:
         """The account beside a misfit of each joint.

@@ -9,7 +9,13 @@ import numpy as np
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.measurement.log import Log
-from irb2400_ctrl.plausibility.criteria import FITS_PRICE, MARGIN, clearly_better, sound
+from irb2400_ctrl.plausibility.criteria import (
+    FITS_PRICE,
+    MARGIN,
+    clearly_better,
+    only_one_off,
+    sound,
+)
 from irb2400_ctrl.plausibility.evidence import MISFITS, Fit, Nominal
 from irb2400_ctrl.plausibility.jumps import MOVES
 from irb2400_ctrl.plausibility.mounting import mounting_problem
@@ -118,6 +124,7 @@ def _understood(nominal: Nominal, log: Log, rows: Rows) -> Understanding:
     labelled = search.fit(plain)
     reading = plain
     best = labelled
+    alone = search.alone(labelled)
     scale = robot.n / 6.0
     for _ in range(STEPS):
         if sound(best, robot.n):
@@ -130,11 +137,13 @@ def _understood(nominal: Nominal, log: Log, rows: Rows) -> Understanding:
         reading, best = search.misread(plain, best) or (plain, best)
     otherwise = reading is not plain
     problem: LogProblem | None = None
-    if otherwise and best.price < FITS_PRICE * scale:
+    if alone and reading.joints != (alone,) and not sound(best, robot.n):
+        reading, best = plain, labelled
+    elif otherwise and best.price < FITS_PRICE * scale:
         problem = _strange(reading, best) or LogProblem(
             reading.kind, reading.says, dict(reading.fits), reading.joints
         )
-    elif labelled.price > LOST_PRICE * scale:
+    elif labelled.price > LOST_PRICE * scale and not alone:
         near = otherwise and best.price < LOST_PRICE * scale
         problem = _nearly(labelled, reading, best) if near else _lost(labelled)
     if not sound(labelled, robot.n):
@@ -143,10 +152,12 @@ def _understood(nominal: Nominal, log: Log, rows: Rows) -> Understanding:
         # what holds a joint at rest may be friction, of which no part can be told
         moves = np.ptp(rows.q, axis=0) > MOVES
         clear = clearly_better(part, labelled, on=moves)
-        if better and clear and part.price < FITS_PRICE * scale:
+        fits = sound(part, robot.n) if alone else part.price < FITS_PRICE * scale
+        if better and clear and fits:
             problem = said
         least = min(best.cost, part.cost)
-        problem = mounting_problem(nominal, rows, labelled, least, problem) or problem
+        if not alone:
+            problem = mounting_problem(nominal, rows, labelled, least, problem) or problem
     return Understanding(labelled, best, reading, problem)
 
 
@@ -213,6 +224,14 @@ class _Search:
         self._keep = keep
         self._rows = {0.0: rows.thinned(keep)}
         self._columns: dict[bytes, tuple[Array, Array]] = {}
+
+    def alone(self, labelled: Fit) -> int | None:
+        """The joint (from 1) that alone is not explained as labelled."""
+        plain = as_labelled(self._nominal.robot.n)
+        rows = self.rows(plain)
+        if rows is None:
+            return None
+        return only_one_off(self._nominal, rows, self._columns_of(plain, rows), labelled)
 
     def rows(self, reading: Reading) -> Rows | None:
         """The log as a reading takes it."""

@@ -127,7 +127,7 @@ def test_what_holds_a_joint_at_rest_tells_no_part(
 
     def without_that_joint(nominal: Nominal, rows: Rows, labelled: Fit) -> tuple[Fit, LogProblem]:
         left = np.append(labelled.left[:5], 0.0)
-        return Fit(labelled.cost - 1e3, 50.0, left), LogProblem("torque_part", "a part")
+        return Fit(labelled.cost - 1e3, 20.0, left), LogProblem("torque_part", "a part")
 
     monkeypatch.setattr(search, "best_part", without_that_joint)
     understood = search.understand(robot("ur10e"), Log(time, q, tau))

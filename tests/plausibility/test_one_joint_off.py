@@ -1,0 +1,51 @@
+"""One joint whose torque the model does not explain, on an arm that it does: that joint has
+something of its own, which is for the diagnosis to name."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from independent_plant import Case
+
+from irb2400_ctrl.diagnosis import diagnose
+from irb2400_ctrl.measurement import Log
+from irb2400_ctrl.plausibility.criteria import SOUND_LEFT
+from irb2400_ctrl.plausibility.log_check import log_problem
+from irb2400_ctrl.plausibility.search import understand
+from irb2400_ctrl.robot import load_robot
+
+ROBOT = load_robot("irb2400")
+
+
+def log(joint: int, times: float) -> Log:
+    """Of a sound arm, with a spring on a joint (from 1) that is so many times its own torque."""
+    read = Case(77, duration=25.0, validation_duration=3.0).simulate()[0]
+    angle = read.q[:, joint - 1] - read.q[:, joint - 1].mean()
+    tau = read.tau.copy()
+    own = np.sqrt(np.mean(tau[:, joint - 1] ** 2))
+    tau[:, joint - 1] += times * own / angle.std() * angle
+    return Log(read.time, read.q, tau, qd=read.qd, q_ref=read.q_ref)
+
+
+@pytest.mark.parametrize("joint", [1, 3, 5])
+def test_a_spring_larger_than_all_that_its_joint_has_is_no_other_robot(joint: int) -> None:
+    """One of joint 7 was told as the zero of joint 6, 90 degrees off; one of joint 5 as another
+    robot."""
+    given = log(joint, 4.0)
+    found = understand(ROBOT, given)
+    assert found is not None
+    assert (np.flatnonzero(found.labelled.left > SOUND_LEFT) == [joint - 1]).all()
+    assert found.problem is None
+    assert log_problem(ROBOT, given) is None
+    (name,) = [f.effect for f in diagnose(ROBOT, given).findings if f.effect.joint == joint]
+    assert name.kind == "cable_spring"
+
+
+def test_a_column_of_that_joint_is_still_named() -> None:
+    given = log(6, 0.0)
+    tau = given.tau * np.array([1, 1, 1, 1, 1, -8.0])
+    found = log_problem(ROBOT, replace(given, tau=tau))
+    assert found is not None
+    assert found.joints == (6,)
