@@ -271,6 +271,7 @@ def _concluded(
     )
     weak += [f"joint {j} is not excited" for j in idle]
     weak += motion.remarks
+    weak += [said for effect in fit.effects if (said := effect.mistaken_for)]
     told = numbers(
         prior,
         fit,

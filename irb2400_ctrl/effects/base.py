@@ -141,14 +141,12 @@ class Effect(Table, ABC):
 
     @classmethod
     def grid(cls, joint: int | None) -> list[dict[str, float]]:
-        """Values of the nonlinear parameters that diagnosis scans; one empty entry when there are
-        none."""
+        """Values of the nonlinear parameters that are scanned; one empty entry for none."""
         return [{}]
 
     @classmethod
     def sensible(cls, nonlinear: dict[str, float], inertia: float) -> bool:
-        """Whether a point of the grid is worth a trial on a joint that feels this inertia [kg
-        m2]."""
+        """Whether a point of the grid is worth a trial on a joint of this inertia [kg m2]."""
         return True
 
     @classmethod
@@ -172,6 +170,11 @@ class Effect(Table, ABC):
         """Whether it is too small, or too large, for a diagnosis to name it, however clearly it
         shows."""
         return False
+
+    @property
+    def mistaken_for(self) -> str:
+        """In a sentence, what is no effect and passes for one of such numbers; or empty."""
+        return ""
 
     @classmethod
     def prototype(cls, joint: int | None, nonlinear: dict[str, float]) -> Self:

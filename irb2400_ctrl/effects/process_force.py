@@ -17,6 +17,13 @@ from irb2400_ctrl.effects.prior import Prior
 from irb2400_ctrl.effects.search import Search
 from irb2400_ctrl.effects.signals import Signals
 
+FEW = 3
+"""pushes, from which on they may be a load that swings"""
+SHORT = 1.0
+"""[s]"""
+UNLIKE = 2.0
+"""times as long the longest is as the shortest"""
+
 
 class ProcessForce(Effect):
     """tau = -J_v(q)^T F while start_s <= t < stop_s; F acts on the tool, constant along the axes of
@@ -54,6 +61,19 @@ class ProcessForce(Effect):
     def representative(cls, joint: int | None, inertia: float, duration: float) -> Self:
         # it comes and goes within the motion
         return cls.of(joint, **cls.example, start_s=0.3 * duration, stop_s=0.7 * duration)
+
+    @property
+    def mistaken_for(self) -> str:
+        """A liquid at the tool and a load that knocks in its grip were forces of many short pushes
+        of unlike lengths, at 0.86 to 0.94; cuts and contacts last longer, or one like the other."""
+        lasting = [stop - start for start, stop in self.windows_s]
+        if len(lasting) < FEW or min(lasting) > SHORT or max(lasting) < UNLIKE * min(lasting):
+            return ""
+        return (
+            f"{self.kind}: {len(lasting)} pushes, some of them short, and of unlike lengths: what "
+            "swings or is loose at the tool makes such, too; stop the arm in the middle of a "
+            "motion and see whether the torques go on"
+        )
 
     def coefficients(self) -> tuple[float, ...]:
         return (self.force_x_N, self.force_y_N, self.force_z_N)

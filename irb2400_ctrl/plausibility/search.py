@@ -138,7 +138,8 @@ def _understood(nominal: Nominal, log: Log, rows: Rows) -> Understanding:
     otherwise = reading is not plain
     problem: LogProblem | None = None
     if alone and reading.joints != (alone,) and not sound(best, robot.n):
-        reading, best = plain, labelled
+        reading = plain
+        best = labelled
     elif otherwise and best.price < FITS_PRICE * scale:
         problem = _strange(reading, best) or LogProblem(
             reading.kind, reading.says, dict(reading.fits), reading.joints

@@ -26,8 +26,8 @@ above.
 """
 
 LOOKALIKE_CAP = 0.75
-"""no finding is surer than this if a kind of another group passes for it: elastic joints were right
-in 12 of 17"""
+"""no finding is surer than this if a kind of another group passes for it, or what is in no library:
+elastic joints were right in 12 of 17"""
 
 LIKELY = 12.0
 """[nats] others nearer than this are alternatives"""
@@ -39,7 +39,8 @@ def confidence(step: Step) -> float:
     """Probability that kind and joint are right."""
     margins, shares = np.array(TABLE).T
     sure = float(np.interp(np.log1p(max(step.margin, 0.0)), np.log1p(margins), shares))
-    return min(sure, LOOKALIKE_CAP) if _lookalikes(step) else sure
+    mistaken = any(e.mistaken_for for e in step.candidate.effects)
+    return min(sure, LOOKALIKE_CAP) if mistaken or _lookalikes(step) else sure
 
 
 def alternatives(step: Step) -> tuple[str, ...]:
