@@ -141,7 +141,12 @@ class Nominal:
         return found
 
     def beside(self, rows: Rows, columns: tuple[Array, Array], joint: int) -> Fit:
-        """The account of all joints but one (from 0), whose torque may be anything."""
+        """The account of all joints but one, whose torque may be anything.
+
+        Args:
+            rows, columns: as of `explained`.
+            joint: that one, from 0.
+        """
         most = np.maximum(MISFIT, self.robot.usually_left / rows.size)
         most[joint] = ANYTHING
         return self._fitted(rows, columns, MISFIT, most)
