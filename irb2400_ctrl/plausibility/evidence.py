@@ -73,6 +73,23 @@ class Fit:
     left: Array
 
 
+@dataclass(frozen=True)
+class Account:
+    """A fit and what came of columns that were fitted beside the robot's numbers.
+
+    Args:
+        fit: of all rows.
+        rest: what is left, weighted, shape (m, n).
+        weight: of each torque, shape (m, n) [1/Nm].
+        numbers: that the columns are multiplied by, shape (k,).
+    """
+
+    fit: Fit
+    rest: Array
+    weight: Array
+    numbers: Array
+
+
 class Nominal:
     """A robot's model as a yardstick for logs."""
 
@@ -151,13 +168,36 @@ class Nominal:
         most[joint] = ANYTHING
         return self._fitted(rows, columns, MISFIT, most)
 
+    def account(self, rows: Rows, columns: tuple[Array, Array], beside: Array) -> Account:
+        """The best account with further columns.
+
+        Args:
+            rows, columns: as of `explained`.
+            beside: torque per standard deviation of what they stand for, shape (m, n, k) [Nm].
+        """
+        most = np.maximum(MISFIT, self.robot.usually_left / rows.size)
+        return self._accounted(rows, columns, MISFIT, most, beside)
+
     def _fitted(self, rows: Rows, columns: tuple[Array, Array], misfit: float, own: Array) -> Fit:
+        """The account beside a misfit of each joint, as of `_accounted`."""
+        none = np.zeros((*rows.tau.shape, 0))
+        return self._accounted(rows, columns, misfit, own, none).fit
+
+    def _accounted(
+        self,
+        rows: Rows,
+        columns: tuple[Array, Array],
+        misfit: float,
+        own: Array,
+        beside: Array,
+    ) -> Account:
         """The account beside a misfit of each joint.
 
         Args:
             rows, columns, misfit: as of `explained`.
             own: standard deviation of what the model does not know of a joint over the torque's
                 size, (n,).
+            beside: as of `account`.
         """
         nominal, Y = columns
         m, n = rows.tau.shape
@@ -171,15 +211,19 @@ class Nominal:
         viscous = self.robot.friction[:, 2]
         spread = self._friction_spreads(rows, size)
         y = (rows.tau - nominal - dry * rows.turn - viscous * rows.qd) * weight
-        X = np.zeros((m, n, k + 3 * n))
+        known = k + 3 * n
+        X = np.zeros((m, n, known + beside.shape[2]))
         X[:, :, :k] = Y * weight[:, :, None]
+        X[:, :, known:] = beside * weight[:, :, None]
         joints = np.arange(n)
         for part, signal in enumerate((rows.turn, rows.qd, np.ones_like(rows.qd))):
             X[:, joints, k + part * n + joints] = signal * spread[part] * weight
         X = X.reshape(m * n, -1)
         A = X.T @ X + np.eye(X.shape[1])
         none_negative = np.concatenate([-dry / spread[0], -viscous / spread[1]])
-        least = np.concatenate([self.least, none_negative, np.full(n, -np.inf)])
+        least = np.concatenate(
+            [self.least, none_negative, np.full(X.shape[1] - k - 2 * n, -np.inf)]
+        )
         z = _bounded(A, X.T @ y.ravel(), least)
         rest = (y.ravel() - X @ z).reshape(m, n)
         price = float(np.sum(rest**2) + z @ z)
@@ -188,7 +232,8 @@ class Nominal:
         # of a joint without torque nothing can be left
         left = np.sqrt(np.sum(rest**2, axis=0) / np.where(whole > 0, whole, np.inf))
         vague = 2.0 * _independent(rows) * float(np.sum(np.log(own / misfit)))
-        return Fit(price + float(np.linalg.slogdet(A)[1]) + vague, price, left)
+        fit = Fit(price + float(np.linalg.slogdet(A)[1]) + vague, price, left)
+        return Account(fit, rest, weight, z[known:])
 
     def sharp_cost(
         self, rows: Rows, columns: tuple[Array, Array], misfits: tuple[float, ...] = MISFITS

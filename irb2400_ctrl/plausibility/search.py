@@ -21,6 +21,7 @@ from irb2400_ctrl.plausibility.jumps import MOVES
 from irb2400_ctrl.plausibility.mounting import mounting_problem
 from irb2400_ctrl.plausibility.parts import best_part
 from irb2400_ctrl.plausibility.problem import LogProblem
+from irb2400_ctrl.plausibility.pushed import pushed
 from irb2400_ctrl.plausibility.reading import (
     Reading,
     as_labelled,
@@ -144,7 +145,7 @@ def _understood(nominal: Nominal, log: Log, rows: Rows) -> Understanding:
         problem = _strange(reading, best) or LogProblem(
             reading.kind, reading.says, dict(reading.fits), reading.joints
         )
-    elif labelled.price > LOST_PRICE * scale and not alone:
+    elif labelled.price > LOST_PRICE * scale and not alone and not search.pushed():
         near = otherwise and best.price < LOST_PRICE * scale
         problem = _nearly(labelled, reading, best) if near else _lost(labelled)
     if not sound(labelled, robot.n):
@@ -233,6 +234,12 @@ class _Search:
         if rows is None:
             return None
         return only_one_off(self._nominal, rows, self._columns_of(plain, rows), labelled)
+
+    def pushed(self) -> bool:
+        """Whether a force at the tool makes the log sound as labelled."""
+        plain = as_labelled(self._nominal.robot.n)
+        rows = self.rows(plain)
+        return rows is not None and pushed(self._nominal, rows, self._columns_of(plain, rows))
 
     def rows(self, reading: Reading) -> Rows | None:
         """The log as a reading takes it."""

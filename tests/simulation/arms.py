@@ -20,6 +20,7 @@ FORCE_EFFECTS = (
     ("balancer", 2, {"torque_Nm": 200.0}),
     ("cable_spring", 5, {"stiffness_Nm_rad": 8.0}),
     ("wrist_coupling", 4, {"inertia_kgm2": 0.05, "viscous_Nms_rad": 0.5}),
+    ("far_wrist_coupling", 4, {"inertia_kgm2": 0.03, "viscous_Nms_rad": 0.4}),
     ("coupled_friction", 5, {"here_Nm": 3.0, "neighbour_Nm": -2.0}),
     ("base_tilt", None, {"tilt_x_rad": 0.01, "tilt_y_rad": -0.02}),
     ("process_force", None, {"force_x_N": 40.0, "force_z_N": -60.0}),
