@@ -1,4 +1,5 @@
-"""When a reading of a log is taken: what explains it well, what does so clearly better."""
+"""When a reading of a log is taken: what explains it well, what does so clearly better; what is
+said of a log that none explains."""
 
 from __future__ import annotations
 
@@ -6,6 +7,8 @@ import numpy as np
 
 from irb2400_ctrl.arrays import Array, Mask
 from irb2400_ctrl.plausibility.evidence import Fit, Nominal
+from irb2400_ctrl.plausibility.problem import LogProblem
+from irb2400_ctrl.plausibility.reading import Reading
 from irb2400_ctrl.plausibility.rows import Rows
 
 SOUND_PRICE = 35.0
@@ -25,6 +28,12 @@ FITS_PRICE = 150.0
 
 FEWEST_OTHERS = 3
 """joints that tell that a log is this robot's, whatever one more has"""
+UNEXPLAINED = 0.7
+"""of a joint's torque left, by which its factor is no unit's"""
+PUSHED = (
+    "the model explains the torques beside a force at the tool that comes and goes: cutting, a "
+    "contact, which `irb2400 diagnose` looks for"
+)
 
 
 def sound(fit: Fit, n: int) -> bool:
@@ -70,3 +79,64 @@ def clearly_better(
     gain = other.cost - one.cost
     less = np.sum(one.left[on] ** 2) < HALF * np.sum(other.left[on] ** 2)
     return gain > max(MARGIN, SHARE * other.cost) and bool(hidden or less or other.price > BEYOND)
+
+
+def strange(reading: Reading, best: Fit) -> LogProblem | None:
+    """A joint whose torque even its best factor does not explain."""
+    if reading.kind != "torque_scale" or len(reading.joints) != 1:
+        return None
+    j = reading.joints[0]
+    left = float(best.left[j - 1])
+    if left < UNEXPLAINED:
+        return None
+    return LogProblem(
+        "not_this_robot",
+        f"the torque of joint {j} does not go with the motion in any unit, sign or order "
+        f"({100 * left:.0f} % of it are left): its columns are another thing's, a gripper's or an "
+        "external axis's, or nothing was recorded of it",
+        {"left_percent": [round(100 * float(v), 1) for v in best.left]},
+        (j,),
+    )
+
+
+def own(fit: Fit, joint: int) -> str:
+    """Of the one joint that is not explained."""
+    return (
+        f"the model explains the torques of all joints but {joint}, of whose {percent(fit, joint)} "
+        "% are left: it has something of its own, which `irb2400 diagnose` looks for"
+    )
+
+
+def lost(fit: Fit) -> LogProblem:
+    """No reading of the log fits the robot."""
+    return LogProblem(
+        "not_this_robot",
+        "neither these columns nor any other reading of them fit the robot, with any payload and "
+        f"friction ({percent(fit)} % of the joints' torques are left, the numbers far from the "
+        "file's): another robot, or columns of different records",
+        {"left_percent": [round(100 * float(v), 1) for v in fit.left]},
+    )
+
+
+def nearly(fit: Fit, reading: Reading, best: Fit) -> LogProblem:
+    """A reading of the log comes near the robot, no nearer than some logs of other robots do.
+
+    Args:
+        fit: as labelled; reading: that one; best: its fit.
+    """
+    return LogProblem(
+        "not_this_robot",
+        f"these columns do not fit the robot, with any payload and friction ({percent(fit)} % of "
+        f"the joints' torques are left); nearest to it: {reading.says} ({percent(best)} % left); "
+        "if it is not that, it is another robot, or columns of different records",
+        {
+            "left_percent": [round(100 * float(v), 1) for v in fit.left],
+            "nearest": {"kind": reading.kind, "joints": list(reading.joints), **reading.fits},
+        },
+    )
+
+
+def percent(fit: Fit, joint: int | None = None) -> str:
+    """What a reading leaves of each joint's torque, listed, or of one (from 1) [%]."""
+    left = fit.left if joint is None else fit.left[joint - 1 : joint]
+    return ", ".join(f"{100 * v:.0f}" for v in left)

@@ -24,11 +24,11 @@ from irb2400_ctrl.plausibility.agreement import (
 )
 from irb2400_ctrl.plausibility.channels import channel_problem
 from irb2400_ctrl.plausibility.cost_of_noise import torque_from_angle_noise
-from irb2400_ctrl.plausibility.criteria import SOUND_LEFT
+from irb2400_ctrl.plausibility.criteria import SOUND_LEFT, percent
 from irb2400_ctrl.plausibility.parts import silent_problem
 from irb2400_ctrl.plausibility.problem import LogProblem, named
 from irb2400_ctrl.plausibility.rows import SHORTEST
-from irb2400_ctrl.plausibility.search import Understanding, percent, understand
+from irb2400_ctrl.plausibility.search import Understanding, understand
 from irb2400_ctrl.plausibility.standing import standing_remarks
 from irb2400_ctrl.plausibility.travel import fastest, haste_problem, travel_problem, travelled
 from irb2400_ctrl.robot import Robot
@@ -231,7 +231,7 @@ def check_log(robot: Robot | None, log: Log) -> LogCheck:
 
 def _not_vouched_for(understood: Understanding | None) -> list[str]:
     """Where too little moves for the model to contradict the columns, or to confirm them."""
-    if understood is None or understood.problem is not None:
+    if understood is None or understood.problem is not None or understood.although:
         return []
     dark = [j + 1 for j, left in enumerate(understood.labelled.left) if left > UNEXPLAINED]
     if not dark:
@@ -244,17 +244,18 @@ def _not_vouched_for(understood: Understanding | None) -> list[str]:
 
 def _perhaps(problem: LogProblem | None, understood: Understanding | None) -> list[str]:
     """What would fit clearly better where the columns fit as well: another friction than the
-    file's, another reading."""
+    file's, another reading; or why they fit all the same."""
     if problem is not None or understood is None:
         return []
+    found = [understood.although] if understood.although else []
     if understood.other_friction:
-        return [
+        found.append(
             f"the friction that the robot file states for {named(understood.other_friction)} is "
             "not that of this log: a placeholder, or it has changed; identify the arm, or take it "
             "out of the file"
-        ]
-    if not understood.reading.kind:
-        return []
+        )
+    if found or not understood.reading.kind:
+        return found
     return [
         f"the robot fits better otherwise: {understood.reading.says} ({percent(understood.best)} % "
         f"of the joints' torques left in the place of {percent(understood.labelled)})"

@@ -12,9 +12,14 @@ from irb2400_ctrl.measurement.log import Log
 from irb2400_ctrl.plausibility.criteria import (
     FITS_PRICE,
     MARGIN,
+    PUSHED,
     clearly_better,
+    lost,
+    nearly,
     only_one_off,
+    own,
     sound,
+    strange,
 )
 from irb2400_ctrl.plausibility.evidence import MISFITS, Fit, Nominal
 from irb2400_ctrl.plausibility.jumps import MOVES
@@ -53,8 +58,6 @@ SLOWED = 100.0
 """times slower, by which clock only the torques of postures are left of a motion, and"""
 POSSIBLE = 1.2
 """of the speed limit at most, for which the clock as labelled is right"""
-UNEXPLAINED = 0.7
-"""of a joint's torque left, by which its factor is no unit's"""
 RESTS = 1e-3
 """[rad] of travel as labelled below which a joint rests, whatever the unit"""
 DELAYS = (-1.0, -0.5, -0.3, -0.2, -0.1, 0.1, 0.2, 0.3, 0.5, 1.0)
@@ -70,6 +73,7 @@ class Understanding:
         reading: what the columns look like; as labelled where nothing is clearly better.
         other_friction: joints (from 1) on which the log contradicts the friction that the file
             states; it was held against the robot without it.
+        although: why it is the arm's as labelled, although the model does not explain it all.
     """
 
     labelled: Fit
@@ -77,6 +81,7 @@ class Understanding:
     reading: Reading
     problem: LogProblem | None
     other_friction: tuple[int, ...] = ()
+    although: str = ""
 
 
 def understand(robot: Robot, log: Log) -> Understanding | None:
@@ -138,16 +143,22 @@ def _understood(nominal: Nominal, log: Log, rows: Rows) -> Understanding:
         reading, best = search.misread(plain, best) or (plain, best)
     otherwise = reading is not plain
     problem: LogProblem | None = None
+    although = "" if alone is None else own(labelled, alone)
     if alone and reading.joints != (alone,) and not sound(best, robot.n):
         reading = plain
         best = labelled
     elif otherwise and best.price < FITS_PRICE * scale:
-        problem = _strange(reading, best) or LogProblem(
+        problem = strange(reading, best) or LogProblem(
             reading.kind, reading.says, dict(reading.fits), reading.joints
         )
-    elif labelled.price > LOST_PRICE * scale and not alone and not search.pushed():
-        near = otherwise and best.price < LOST_PRICE * scale
-        problem = _nearly(labelled, reading, best) if near else _lost(labelled)
+    elif labelled.price > LOST_PRICE * scale and not alone:
+        if search.pushed():
+            although = PUSHED
+            reading = plain
+            best = labelled
+        else:
+            near = otherwise and best.price < LOST_PRICE * scale
+            problem = nearly(labelled, reading, best) if near else lost(labelled)
     if not sound(labelled, robot.n):
         part, said = best_part(nominal, rows, labelled)
         better = best.cost - part.cost > MARGIN or _slowed(robot, log, reading)
@@ -160,61 +171,13 @@ def _understood(nominal: Nominal, log: Log, rows: Rows) -> Understanding:
         least = min(best.cost, part.cost)
         if not alone:
             problem = mounting_problem(nominal, rows, labelled, least, problem) or problem
-    return Understanding(labelled, best, reading, problem)
+    return Understanding(labelled, best, reading, problem, although=although)
 
 
 def _slowed(robot: Robot, log: Log, reading: Reading) -> bool:
     """Whether a reading slows down a motion that the robot can make as it is labelled."""
     speed = fastest(robot, log)
     return reading.clock >= SLOWED and bool(speed.any()) and bool(speed.max() < POSSIBLE)
-
-
-def _strange(reading: Reading, best: Fit) -> LogProblem | None:
-    """A joint whose torque even its best factor does not explain."""
-    if reading.kind != "torque_scale" or len(reading.joints) != 1:
-        return None
-    j = reading.joints[0]
-    left = float(best.left[j - 1])
-    if left < UNEXPLAINED:
-        return None
-    return LogProblem(
-        "not_this_robot",
-        f"the torque of joint {j} does not go with the motion in any unit, sign or order "
-        f"({100 * left:.0f} % of it are left): its columns are another thing's, a gripper's or an "
-        "external axis's, or nothing was recorded of it",
-        {"left_percent": [round(100 * float(v), 1) for v in best.left]},
-        (j,),
-    )
-
-
-def _lost(fit: Fit) -> LogProblem:
-    """No reading of the log fits the robot."""
-    return LogProblem(
-        "not_this_robot",
-        "neither these columns nor any other reading of them fit the robot, with any payload and "
-        f"friction ({percent(fit)} % of the joints' torques are left, the numbers far from the "
-        "file's): another robot, or columns of different records",
-        {"left_percent": [round(100 * float(v), 1) for v in fit.left]},
-    )
-
-
-def _nearly(fit: Fit, reading: Reading, best: Fit) -> LogProblem:
-    """A reading of the log comes near the robot, no nearer than some logs of other robots do."""
-    return LogProblem(
-        "not_this_robot",
-        f"these columns do not fit the robot, with any payload and friction ({percent(fit)} % of "
-        f"the joints' torques are left); nearest to it: {reading.says} ({percent(best)} % left); "
-        "if it is not that, it is another robot, or columns of different records",
-        {
-            "left_percent": [round(100 * float(v), 1) for v in fit.left],
-            "nearest": {"kind": reading.kind, "joints": list(reading.joints), **reading.fits},
-        },
-    )
-
-
-def percent(fit: Fit) -> str:
-    """What a reading leaves of each joint's torque, listed [%]."""
-    return ", ".join(f"{100 * v:.0f}" for v in fit.left)
 
 
 class _Search:

@@ -12,7 +12,7 @@ from independent_plant import Case
 from irb2400_ctrl.diagnosis import diagnose
 from irb2400_ctrl.measurement import Log
 from irb2400_ctrl.plausibility.criteria import SOUND_LEFT
-from irb2400_ctrl.plausibility.log_check import log_problem
+from irb2400_ctrl.plausibility.log_check import check_log, log_problem
 from irb2400_ctrl.plausibility.search import understand
 from irb2400_ctrl.robot import load_robot
 
@@ -38,7 +38,9 @@ def test_a_spring_larger_than_all_that_its_joint_has_is_no_other_robot(joint: in
     assert found is not None
     assert (np.flatnonzero(found.labelled.left > SOUND_LEFT) == [joint - 1]).all()
     assert found.problem is None
-    assert log_problem(ROBOT, given) is None
+    check = check_log(ROBOT, given)
+    assert check.problem is None
+    assert any(f"all joints but {joint}, of whose" in said for said in check.remarks)
     (name,) = [f.effect for f in diagnose(ROBOT, given).findings if f.effect.joint == joint]
     assert name.kind == "cable_spring"
 

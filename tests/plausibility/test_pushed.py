@@ -13,7 +13,7 @@ from irb2400_ctrl.effects import LIBRARY
 from irb2400_ctrl.measurement import Log
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.plausibility.evidence import Nominal
-from irb2400_ctrl.plausibility.log_check import log_problem
+from irb2400_ctrl.plausibility.log_check import check_log, log_problem
 from irb2400_ctrl.plausibility.pushed import pushed
 from irb2400_ctrl.plausibility.rows import rows_of
 from irb2400_ctrl.plausibility.search import LOST_PRICE, understand
@@ -56,6 +56,12 @@ def test_a_force_at_the_tool_makes_no_other_robot_of_an_arm(times: str, size: fl
     assert found is not None
     assert found.labelled.price > LOST_PRICE
     assert found.problem is None
+    assert not found.reading.kind
+
+
+def test_it_is_said() -> None:
+    (said,) = check_log(ROBOT, log("half", 200.0)).remarks
+    assert "force at the tool" in said
 
 
 def test_it_is_named() -> None:
