@@ -14,7 +14,8 @@ from irb2400_ctrl.effects import LIBRARY
 
 def tried(kind: str, joint: int, evidence: float, known: bool = True) -> Any:
     return SimpleNamespace(
-        candidate=SimpleNamespace(kind=kind, joint=joint, known=known), evidence=evidence
+        candidate=SimpleNamespace(kind=kind, joint=joint, known=known, effects=()),
+        evidence=evidence,
     )
 
 
