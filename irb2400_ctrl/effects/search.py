@@ -27,6 +27,7 @@ class Search:
             what every contact does.
         rattles: the link bounces as its load changes sides, which its neighbours feel; most of its
             torque is quicker than what is compared, so that its size says little.
+        beside: kind without which, on some joint, no arm has it.
     """
 
     device: str = ""
@@ -40,3 +41,4 @@ class Search:
     nothing_at_turns: bool = False
     turns_over_in: str = ""
     rattles: bool = False
+    beside: str = ""

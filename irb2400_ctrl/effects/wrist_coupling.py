@@ -14,6 +14,7 @@ from irb2400_ctrl.effects.base import Effect
 from irb2400_ctrl.effects.coulomb_change import NEAR_REVERSAL
 from irb2400_ctrl.effects.drawing import Drawing
 from irb2400_ctrl.effects.prior import Prior
+from irb2400_ctrl.effects.search import Search
 from irb2400_ctrl.effects.signals import Signals
 
 
@@ -139,6 +140,7 @@ class FarWristCoupling(AxisCoupling):
     """
 
     sentence: ClassVar[str] = "moving this wrist axis drags the motor of the next but one along"
+    search: ClassVar[Search] = Search(beside="wrist_coupling")
 
     kind: Literal["far_wrist_coupling"] = "far_wrist_coupling"
 

@@ -37,6 +37,7 @@ SEARCH = {
     "through nothing",
     "turns_over_in": "only where it is wider than what contacts hold over, measured at "
     "the turns of all joints",
+    "beside": "only beside the kind without which no arm has it",
     "rattles": "at the wrist also told by what the neighbours feel as the load changes sides",
 }
 """words for what an effect may say in its `search`"""

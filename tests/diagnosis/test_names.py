@@ -16,6 +16,7 @@ from mujoco_plant.suites import suite
 import irb2400_ctrl as irb
 from irb2400_ctrl.diagnosis import Diagnosis, diagnose
 from irb2400_ctrl.diagnosis.numbers import LOAD, off_bodies
+from irb2400_ctrl.effects.wrist_coupling import FarWristCoupling
 from irb2400_ctrl.measurement import Log
 from irb2400_ctrl.planners import plan_path
 from irb2400_ctrl.planners.toolpath import builders
@@ -150,11 +151,18 @@ def test_a_wrist_coupling_of_one_direction_with_dry_friction_is_named(travel: fl
 def test_a_wrist_whose_first_axis_turns_the_motor_of_the_third_is_named() -> None:
     """The shaft of axis 6 runs through those of axes 4 and 5: on the arm of another maker axis 4
     was told to have something without a name that follows the speed of axis 6."""
-    found = diagnose(ROBOT, with_torque(4, 1.2 * turned_over(6, 1e-6) + 0.3 * speed(6)))
-    assert names(found) == [("far_wrist_coupling", 4)]
-    effect: Any = found.findings[0].effect
+    of_six = 1.2 * turned_over(6, 1e-6) + 0.3 * speed(6)
+    alone = with_torque(4, of_six)
+    tau = alone.tau.copy()
+    tau[:, 4] += of_six
+    found = diagnose(ROBOT, replace(alone, tau=tau))
+    assert sorted(names(found)) == [("far_wrist_coupling", 4), ("wrist_coupling", 5)]
+    (effect,) = (f.effect for f in found.findings if f.effect.joint == 4)
+    assert isinstance(effect, FarWristCoupling)
     assert effect.dry_Nm == pytest.approx(1.2, rel=0.25)
     assert abs(effect.neighbour_dry_Nm) < 0.3
+    # a shaft through two axes has gears on both: one without is none
+    assert ("far_wrist_coupling", 4) not in names(diagnose(ROBOT, alone))
 
 
 def test_a_name_says_what_it_is_worth_on_unseen_stretches() -> None:

@@ -57,11 +57,13 @@ class Scan(LogColumns):
         there = [e for c in chosen for e in c.effects]
         taken = {(e.kind, e.joint) for e in there if not e.search.repeats}
         devices = {(e.search.device, e.joint) for e in there if e.search.device}
+        beside = {"", *(e.kind for e in there)}
         families = [
             f
             for f in self.families
             if f not in taken
             and (LIBRARY[f[0]].search.device, f[1]) not in devices
+            and LIBRARY[f[0]].search.beside in beside
             and on[list(self.acts_on(*f))].any()
         ]
         found = [c for kind, joint in families for c in self._library(problem, kind, joint)]
