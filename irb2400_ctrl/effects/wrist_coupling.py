@@ -116,7 +116,7 @@ class AxisCoupling(Effect):
         )
 
     @classmethod
-    def joints(cls, n: int) -> Sequence[int | None]:
+    def joints(cls, n: int) -> Sequence[int]:
         return range(4, n + 1 - cls.along())
 
 

@@ -9,16 +9,15 @@ import numpy as np
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.effects import LIBRARY, Effect
-from irb2400_ctrl.identification.fitting.columns import EXPONENT, ColumnLayout, Extra
+from irb2400_ctrl.identification.fitting.columns import COUPLED, EXPONENT, ColumnLayout, Extra
 from irb2400_ctrl.identification.fitting.consistent_fit import pseudo_inertias
 from irb2400_ctrl.robot import Body, Robot
 
-COUPLINGS = {"coupling": "wrist_coupling", "far_coupling": "far_wrist_coupling"}
-"""kinds of effects that extras are"""
 REFITTED = (
     "torque_offset",
     "rotor_inertia",
-    *COUPLINGS.values(),
+    "wrist_coupling",
+    "far_wrist_coupling",
     "coupled_friction",
     "acceleration_reading",
 )
@@ -108,9 +107,9 @@ def _extra_effects(extra: Extra, numbers: Sequence[float] | Array) -> list[Effec
     """The effects of the library that are one extra."""
     values = [float(v) for v in numbers]
     joint = extra.joint
-    if extra.kind in COUPLINGS:
+    if extra.kind in COUPLED:
         here, there, viscous, neighbour_viscous, dry, neighbour_dry = values
-        coupling = LIBRARY[COUPLINGS[extra.kind]].of(
+        coupling = COUPLED[extra.kind].of(
             joint,
             inertia_kgm2=0.5 * (here + there),
             viscous_Nms_rad=viscous,

@@ -150,7 +150,7 @@ class Nominal:
         size = rows.size
         if not np.abs(columns[0]).max() < ABSURD * size.max():
             return Fit(np.inf, np.inf, np.ones(len(size)))
-        most = np.maximum(misfit, self.robot.usually_left / size)
+        most = self._misfits(rows, misfit)
         found = self._fitted(rows, columns, misfit, most)
         if (most > misfit).any():
             # what was left of the worst log need not be left of this one
@@ -164,7 +164,7 @@ class Nominal:
             rows, columns: as of `explained`.
             joint: that one, from 0.
         """
-        most = np.maximum(MISFIT, self.robot.usually_left / rows.size)
+        most = self._misfits(rows)
         most[joint] = ANYTHING
         return self._fitted(rows, columns, MISFIT, most)
 
@@ -175,8 +175,13 @@ class Nominal:
             rows, columns: as of `explained`.
             beside: torque per standard deviation of what they stand for, shape (m, n, k) [Nm].
         """
-        most = np.maximum(MISFIT, self.robot.usually_left / rows.size)
+        most = self._misfits(rows)
         return self._accounted(rows, columns, MISFIT, most, beside)
+
+    def _misfits(self, rows: Rows, misfit: float = MISFIT) -> Array:
+        """Standard deviations of what the model does not know of each joint, over its torque's
+        size, or of what an identification has left, (n,)."""
+        return np.maximum(misfit, self.robot.usually_left / rows.size)
 
     def _fitted(self, rows: Rows, columns: tuple[Array, Array], misfit: float, own: Array) -> Fit:
         """The account beside a misfit of each joint, as of `_accounted`."""

@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from irb2400_ctrl.arrays import Array, Mask
+from irb2400_ctrl.effects.base import STANDARD_GRAVITY
 from irb2400_ctrl.plausibility.criteria import sound
 from irb2400_ctrl.plausibility.evidence import Fit, Nominal
 from irb2400_ctrl.plausibility.rows import Rows
@@ -22,8 +23,6 @@ BLOCK = 0.25
 PER_BLOCK = 0.25
 """twice the log evidence that it must bring there"""
 ROUNDS = 8
-GRAVITY = 9.81
-"""[m/s2]"""
 
 
 def pushed(nominal: Nominal, rows: Rows, columns: tuple[Array, Array]) -> bool:
@@ -49,7 +48,7 @@ def _wrenches(nominal: Nominal, rows: Rows) -> Array:
     J = np.asarray(nominal.model.tcp_jacobian(rows.q))
     R = np.asarray(nominal.model.tcp_pose(rows.q))[:, :3, :3]
     moved = sum(link.body.mass_kg for link in nominal.robot.links[1:])
-    force = FORCE * GRAVITY * moved
+    force = FORCE * STANDARD_GRAVITY * moved
     sizes = np.repeat([force, force * LEVER * nominal.reach], 3)
     turned = np.zeros((len(R), 6, 6))
     turned[:, :3, :3] = R

@@ -130,7 +130,8 @@ def _understood(nominal: Nominal, log: Log, rows: Rows) -> Understanding:
     labelled = search.fit(plain)
     reading = plain
     best = labelled
-    alone = search.alone(labelled)
+    columns = search.columns_of(plain, rows)
+    alone = only_one_off(nominal, rows, columns, labelled)
     scale = robot.n / 6.0
     for _ in range(STEPS):
         if sound(best, robot.n):
@@ -152,7 +153,7 @@ def _understood(nominal: Nominal, log: Log, rows: Rows) -> Understanding:
             reading.kind, reading.says, dict(reading.fits), reading.joints
         )
     elif labelled.price > LOST_PRICE * scale and not alone:
-        if search.pushed():
+        if pushed(nominal, rows, columns):
             although = PUSHED
             reading = plain
             best = labelled
@@ -190,20 +191,6 @@ class _Search:
         self._rows = {0.0: rows.thinned(keep)}
         self._columns: dict[bytes, tuple[Array, Array]] = {}
 
-    def alone(self, labelled: Fit) -> int | None:
-        """The joint (from 1) that alone is not explained as labelled."""
-        plain = as_labelled(self._nominal.robot.n)
-        rows = self.rows(plain)
-        if rows is None:
-            return None
-        return only_one_off(self._nominal, rows, self._columns_of(plain, rows), labelled)
-
-    def pushed(self) -> bool:
-        """Whether a force at the tool makes the log sound as labelled."""
-        plain = as_labelled(self._nominal.robot.n)
-        rows = self.rows(plain)
-        return rows is not None and pushed(self._nominal, rows, self._columns_of(plain, rows))
-
     def rows(self, reading: Reading) -> Rows | None:
         """The log as a reading takes it."""
         delay = reading.delay
@@ -219,7 +206,7 @@ class _Search:
         rows = self.rows(reading)
         if rows is None or not np.isfinite(rows.qdd).all():
             return Fit(np.inf, np.inf, np.ones(self._nominal.robot.n))
-        found = self._nominal.explained(rows, self._columns_of(reading, rows))
+        found = self._nominal.explained(rows, self.columns_of(reading, rows))
         return replace(found, cost=found.cost + reading.price)
 
     def better(self, first: Reading, fit: Fit) -> tuple[Reading, Fit] | None:
@@ -263,14 +250,14 @@ class _Search:
         rows = self.rows(reading)
         if rows is None or not np.isfinite(rows.qdd).all():
             return np.inf
-        columns = self._columns_of(reading, rows)
+        columns = self.columns_of(reading, rows)
         return self._nominal.sharp_cost(rows, columns, misfits) + reading.price
 
     def _torques(self, first: Reading) -> Iterator[Reading]:
         yield from torque_readings(self._nominal.robot)
         rows = self.rows(first)
         if rows is not None:
-            yield from scale_readings(self._nominal, rows, self._columns_of(first, rows))
+            yield from scale_readings(self._nominal, rows, self.columns_of(first, rows))
 
     def _motions(self) -> Iterator[Reading]:
         robot = self._nominal.robot
@@ -293,7 +280,8 @@ class _Search:
             return True
         return bool(np.ptp(self._log.q[:, reading.joints[0] - 1]) > RESTS)
 
-    def _columns_of(self, reading: Reading, rows: Rows) -> tuple[Array, Array]:
+    def columns_of(self, reading: Reading, rows: Rows) -> tuple[Array, Array]:
+        """As of `Nominal.columns`; what was asked last is kept."""
         key = reading.angles.tobytes() + reading.offset.tobytes()
         key += np.array([reading.clock, reading.delay]).tobytes()
         if key not in self._columns:

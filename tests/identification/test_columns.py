@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import irb2400_ctrl as irb
+from irb2400_ctrl.identification.fitting.choice import _may_be, candidates
 from irb2400_ctrl.identification.fitting.columns import ColumnLayout, Extra, columns
 from irb2400_ctrl.identification.fitting.consistent_fit import possible, pseudo_inertias
 from irb2400_ctrl.identification.fitting.noise import correlation_factor
@@ -94,3 +95,17 @@ def test_correlation_of_a_known_process(memory: float, factor: float) -> None:
         x[k] = memory * x[k - 1] + noise
     found = correlation_factor(x, np.ones_like(x, dtype=bool))
     assert found[0] == pytest.approx(factor, rel=0.25)
+
+
+def test_a_far_coupling_is_taken_on_only_beside_one_of_neighbours() -> None:
+    far = Extra("far_coupling", 4)
+    assert not _may_be(far, [Extra("power", 4), Extra("balancer", 2)])
+    assert _may_be(far, [Extra("power", 4), Extra("coupling", 5)])
+    assert _may_be(Extra("coupling", 5), [])
+    assert _may_be(Extra("power", 1), [])
+    assert {e for e in candidates(6) if len(e.touches) > 1} == {
+        Extra("coupling", 4),
+        Extra("coupling", 5),
+        far,
+    }
+    assert far.touches == (3, 5)

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.effects import LIBRARY
 from irb2400_ctrl.identification.fitting.columns import COUPLED, ColumnLayout, Extra
 from irb2400_ctrl.identification.fitting.cross_validation import overall, unseen_rms
 from irb2400_ctrl.identification.fitting.estimate import (
@@ -34,7 +35,7 @@ PINNED = 1e-8
 def candidates(n: int) -> tuple[Extra, ...]:
     """What some arms have: couplings in the wrist, balancers, Stribeck."""
     couplings = [
-        Extra(kind, joint) for kind, along in COUPLED.items() for joint in range(4, n + 1 - along)
+        Extra(kind, joint) for kind, effect in COUPLED.items() for joint in effect.joints(n)
     ]
     balancers = [Extra("balancer", joint) for joint in (2, 3) if joint <= n]
     friction = [Extra(kind, j + 1) for kind in ("stribeck", "power") for j in range(n)]
@@ -69,7 +70,8 @@ class Choice:
             good = [
                 extra
                 for extra in open_ones
-                if trials[extra].evidence > now.evidence
+                if _may_be(extra, chosen)
+                and trials[extra].evidence > now.evidence
                 and trials[extra].possible
                 and self._shown(extra, trials[extra], now)
             ]
@@ -159,6 +161,12 @@ class _Trial:
     evidence: float
     left: Array
     possible: bool
+
+
+def _may_be(extra: Extra, chosen: Sequence[Extra]) -> bool:
+    """Whether there is what it is never without (`Search.beside`)."""
+    beside = COUPLED[extra.kind].search.beside if extra.kind in COUPLED else ""
+    return not beside or any(COUPLED.get(other.kind) is LIBRARY[beside] for other in chosen)
 
 
 def _gains(extra: Extra, trial: _Trial, now: _Trial) -> bool:

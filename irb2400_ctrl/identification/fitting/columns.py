@@ -13,12 +13,16 @@ from dataclasses import dataclass
 import numpy as np
 
 from irb2400_ctrl.arrays import Array, Integers, Mask
+from irb2400_ctrl.effects.wrist_coupling import AxisCoupling, FarWristCoupling, WristCoupling
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.model.base_parameters import NAMES
 
 DRIVE_TERMS = ("coulomb", "viscous", "offset", "rotor")
-COUPLED = {"coupling": 1, "far_coupling": 2}
-"""how many joints further the other one of a coupling is"""
+COUPLED: dict[str, type[AxisCoupling]] = {
+    "coupling": WristCoupling,
+    "far_coupling": FarWristCoupling,
+}
+"""kinds of extras that are couplings, and the effects that they are"""
 POSITIVE_TERMS = ("coulomb", "viscous", "rotor", "reading", "power")
 """terms whose numbers cannot be negative"""
 COUPLING_COLUMNS = ("qdd here", "qdd next", "qd here", "qd next", "sign here", "sign next")
@@ -56,7 +60,7 @@ class Extra:
     def touches(self) -> tuple[int, ...]:
         """Zero-based joints whose torque it changes."""
         here = self.joint - 1
-        return (here, here + COUPLED[self.kind]) if self.kind in COUPLED else (here,)
+        return (here, here + COUPLED[self.kind].along()) if self.kind in COUPLED else (here,)
 
 
 @dataclass(frozen=True)
