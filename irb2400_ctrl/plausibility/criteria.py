@@ -102,8 +102,9 @@ def strange(reading: Reading, best: Fit) -> LogProblem | None:
 def own(fit: Fit, joint: int) -> str:
     """Of the one joint that is not explained."""
     return (
-        f"the model explains the torques of all joints but {joint}, of whose {percent(fit, joint)} "
-        "% are left: it has something of its own, which `irb2400 diagnose` looks for"
+        f"the model explains the torques of all joints but joint {joint}, of whose torque it "
+        f"leaves {percent(fit, joint)} %: that joint has something of its own, which `irb2400 "
+        "diagnose` looks for"
     )
 
 

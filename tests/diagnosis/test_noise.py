@@ -273,3 +273,10 @@ def test_samples_that_a_filter_makes_alike_are_no_neighbours() -> None:
     assert found[True].left == pytest.approx(found[False].left, rel=0.1)
     assert found[True].beyond == (1,)
     assert found[False].beyond == ()
+
+
+def test_of_some_joints_the_means_alone_say_so() -> None:
+    left = np.array([1.9, 2.1, 2.1, 1.0])
+    found = NoiseTest(np.ones(4), left, np.array([4.0, 4.0, 0.0, 0.0]))
+    assert found.beyond == (1, 2, 3)
+    assert found.by_means_alone == (1,)

@@ -40,7 +40,7 @@ def test_a_spring_larger_than_all_that_its_joint_has_is_no_other_robot(joint: in
     assert found.problem is None
     check = check_log(ROBOT, given)
     assert check.problem is None
-    assert any(f"all joints but {joint}, of whose" in said for said in check.remarks)
+    assert any(f"all joints but joint {joint}, of whose" in said for said in check.remarks)
     (name,) = [f.effect for f in diagnose(ROBOT, given).findings if f.effect.joint == joint]
     assert name.kind == "cable_spring"
 
