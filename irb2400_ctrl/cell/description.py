@@ -18,6 +18,7 @@ from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.cell.external_axes import RAIL, ExternalAxes
 from irb2400_ctrl.cell.positioner import Angles, Plate
 from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.robot.numbers import NotNegative, Positive, Vector3
 from irb2400_ctrl.robot.shape import (
     Box,
     Capsule,
@@ -27,7 +28,7 @@ from irb2400_ctrl.robot.shape import (
     place_and_turn,
     pose,
 )
-from irb2400_ctrl.robot.table import NotNegative, Positive, Table, Vector3
+from irb2400_ctrl.table import Table
 
 Role = Literal["part", "stock", "fixture", "table", "obstacle"]
 CUT = ("part", "stock")

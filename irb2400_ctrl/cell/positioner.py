@@ -17,7 +17,8 @@ from irb2400_ctrl.arrays import Array, is_pose
 from irb2400_ctrl.cell.external_axes import TABLE as AXES
 from irb2400_ctrl.cell.external_axes import ExternalAxes
 from irb2400_ctrl.errors import InputError
-from irb2400_ctrl.robot.table import Positive, Table, Vector3
+from irb2400_ctrl.robot.numbers import Positive, Vector3
+from irb2400_ctrl.table import Table
 
 Row4 = tuple[float, float, float, float]
 Pose = tuple[Row4, Row4, Row4, Row4]

@@ -6,7 +6,8 @@ from typing import Any, Literal
 
 from pydantic import Field
 
-from irb2400_ctrl.robot.table import NotNegative, Table
+from irb2400_ctrl.robot.numbers import NotNegative
+from irb2400_ctrl.table import Table
 
 List = Literal["lacks", "special", "changed"]
 _LIST = (

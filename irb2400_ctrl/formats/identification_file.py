@@ -7,7 +7,8 @@ from typing import Literal
 from pydantic import Field
 
 from irb2400_ctrl.formats.findings_file import ErrorsEntry
-from irb2400_ctrl.robot.table import NotNegative, Positive, Table
+from irb2400_ctrl.robot.numbers import NotNegative, Positive
+from irb2400_ctrl.table import Table
 
 Triple = tuple[float, float, float]
 Inertia = tuple[float, float, float, float, float, float]

@@ -6,7 +6,8 @@ from typing import Literal
 
 from pydantic import Field, RootModel
 
-from irb2400_ctrl.robot.table import NotNegative, Positive, Table
+from irb2400_ctrl.robot.numbers import NotNegative, Positive
+from irb2400_ctrl.table import Table
 
 Frame = tuple[float, float, float, float, float, float]
 _MARGINS = "smallest of each; the unit is in the name, those without are parts"

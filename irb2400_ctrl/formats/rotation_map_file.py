@@ -6,7 +6,7 @@ from typing import Literal
 
 from pydantic import Field
 
-from irb2400_ctrl.robot.table import Table
+from irb2400_ctrl.table import Table
 
 
 class RotationMapFile(Table):

@@ -6,7 +6,8 @@ from typing import Literal
 
 from pydantic import Field
 
-from irb2400_ctrl.robot.table import NotNegative, Positive, Table
+from irb2400_ctrl.robot.numbers import NotNegative, Positive
+from irb2400_ctrl.table import Table
 
 
 class TargetEntry(Table):

@@ -6,12 +6,11 @@ tau = ... - a(t) J(q)^T (w_B + R_BT(q) w_T),    a(t) 0 or 1
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
 
-from irb2400_ctrl.arrays import Array, Mask
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.effects.base import STANDARD_GRAVITY
 from irb2400_ctrl.plausibility.criteria import sound
-from irb2400_ctrl.plausibility.evidence import Fit, Nominal
+from irb2400_ctrl.plausibility.evidence import Nominal
 from irb2400_ctrl.plausibility.rows import Rows
 
 FORCE = 0.5
@@ -36,11 +35,18 @@ def pushed(nominal: Nominal, rows: Rows, columns: tuple[Array, Array]) -> bool:
     """
     wrenches = _wrenches(nominal, rows)
     block = (np.arange(len(rows.q)) * rows.seconds / len(rows.q) / BLOCK).astype(np.intp)
-    left = nominal.account(rows, columns, wrenches[:, :, :0]).rest
-    energy = np.bincount(block, np.sum(left**2, axis=1))
-    starts = (np.ones(len(energy), dtype=bool), energy > np.median(energy))
-    fits = (_settled(nominal, rows, columns, wrenches, block, start) for start in starts)
-    return any(sound(fit, nominal.robot.n) for fit in fits)
+    acts = np.ones(block[-1] + 1, dtype=bool)
+    for _ in range(ROUNDS):
+        on = acts[block][:, None]
+        account = nominal.account(rows, columns, wrenches * on[:, :, None])
+        torque = (wrenches @ account.numbers) * account.weight
+        without = account.rest + torque * on
+        gained = np.sum(without**2 - (without - torque) ** 2, axis=1)
+        again = np.bincount(block, gained) > PER_BLOCK
+        if (again == acts).all():
+            break
+        acts = again
+    return sound(account.fit, nominal.robot.n)
 
 
 def _wrenches(nominal: Nominal, rows: Rows) -> Array:
@@ -55,32 +61,3 @@ def _wrenches(nominal: Nominal, rows: Rows) -> Array:
     turned[:, 3:, 3:] = R
     held = -np.swapaxes(J, 1, 2) * sizes
     return np.concatenate([held, held @ turned], axis=2)
-
-
-def _settled(
-    nominal: Nominal,
-    rows: Rows,
-    columns: tuple[Array, Array],
-    wrenches: Array,
-    block: npt.NDArray[np.intp],
-    acts: Mask,
-) -> Fit:
-    """The fit beside a wrench in those blocks of time in which it gains.
-
-    Args:
-        nominal, rows, columns: as of `pushed`.
-        wrenches: of `_wrenches`.
-        block: of each row, shape (m,).
-        acts: blocks to begin with.
-    """
-    for _ in range(ROUNDS):
-        on = acts[block][:, None]
-        account = nominal.account(rows, columns, wrenches * on[:, :, None])
-        torque = (wrenches @ account.numbers) * account.weight
-        without = account.rest + torque * on
-        gained = np.sum(without**2 - (without - torque) ** 2, axis=1)
-        again = np.bincount(block, gained) > PER_BLOCK
-        if (again == acts).all():
-            break
-        acts = again
-    return account.fit

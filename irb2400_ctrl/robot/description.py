@@ -23,9 +23,10 @@ from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.robot.identified import Identified
 from irb2400_ctrl.robot.joint import Friction, Joint, MotorCoupling
 from irb2400_ctrl.robot.link import Coupling, Link, ModifiedDH, Tool, Transform
+from irb2400_ctrl.robot.numbers import Vector3
 from irb2400_ctrl.robot.outline import Outline
-from irb2400_ctrl.robot.table import Table, Vector3
 from irb2400_ctrl.robot.uncertainty import Uncertainty
+from irb2400_ctrl.table import Table
 
 STRIBECK_RAD_S = 0.01
 """speed at which static friction would fade where the file states none; typical of such gears"""

@@ -10,7 +10,7 @@ from pydantic import Field, NonNegativeFloat, model_validator
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InputError
-from irb2400_ctrl.robot.table import Table
+from irb2400_ctrl.table import Table
 
 DIGITS = 7
 """significant ones of the root: sums of numbers are known far better than each"""

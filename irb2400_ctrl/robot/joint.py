@@ -9,7 +9,8 @@ from typing import Self
 
 from pydantic import Field, model_validator
 
-from irb2400_ctrl.robot.table import UNKNOWN, NotNegative, Positive, Range, Table
+from irb2400_ctrl.robot.numbers import UNKNOWN, NotNegative, Positive, Range
+from irb2400_ctrl.table import Table
 
 
 class Friction(Table):

@@ -8,7 +8,8 @@ import numpy as np
 from pydantic import BeforeValidator, Field, model_validator
 
 from irb2400_ctrl.arrays import Array, is_pose
-from irb2400_ctrl.robot.table import NotNegative, Range, Table, Vector3
+from irb2400_ctrl.robot.numbers import NotNegative, Range, Vector3
+from irb2400_ctrl.table import Table
 
 Row4 = tuple[float, float, float, float]
 

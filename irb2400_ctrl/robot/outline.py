@@ -5,7 +5,7 @@ from __future__ import annotations
 from pydantic import Field
 
 from irb2400_ctrl.robot.shape import Shape
-from irb2400_ctrl.robot.table import Table
+from irb2400_ctrl.table import Table
 
 BASE = "base"
 SPINDLE = "spindle"

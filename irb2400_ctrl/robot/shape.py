@@ -12,7 +12,8 @@ from pydantic import Field, model_validator
 
 from irb2400_ctrl.arrays import Array, rotation_about
 from irb2400_ctrl.robot.capsule_fit import capsule_around, half_sphere
-from irb2400_ctrl.robot.table import Positive, Table, Vector3
+from irb2400_ctrl.robot.numbers import Positive, Vector3
+from irb2400_ctrl.table import Table
 
 if TYPE_CHECKING:
     from scipy.spatial import ConvexHull

@@ -7,7 +7,8 @@ from collections.abc import Iterable
 from pydantic import Field, ValidationError
 
 from irb2400_ctrl.errors import InputError
-from irb2400_ctrl.robot.table import Positive, Table
+from irb2400_ctrl.robot.numbers import Positive
+from irb2400_ctrl.table import Table
 
 
 class BodyUncertainty(Table):

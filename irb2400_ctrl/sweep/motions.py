@@ -17,7 +17,7 @@ from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.robot import Robot
 from irb2400_ctrl.simulation import Trajectory, load_trajectory
-from irb2400_ctrl.sweep.quantities import Table
+from irb2400_ctrl.table import Table
 
 Speed = Annotated[float, Field(gt=0, le=10)]
 QUINTIC_PEAK = 1.875

@@ -19,7 +19,7 @@ from pydantic import (
 from irb2400_ctrl.effects import LIBRARY, Effect, effect_class
 from irb2400_ctrl.effects.base import COMMON
 from irb2400_ctrl.errors import InputError
-from irb2400_ctrl.table import Table as Table
+from irb2400_ctrl.table import Table
 
 
 def _form(value: object) -> str:

@@ -30,14 +30,8 @@ from irb2400_ctrl.robot import Robot, load_robot, robot_names
 from irb2400_ctrl.simulation import Actuators, Sensors
 from irb2400_ctrl.simulation.plant import SUBSTEPS
 from irb2400_ctrl.sweep.motions import RandomPoses, StudyMotion
-from irb2400_ctrl.sweep.quantities import (
-    FORMS,
-    Deviations,
-    EffectDraw,
-    PayloadSpread,
-    Quantity,
-    Table,
-)
+from irb2400_ctrl.sweep.quantities import FORMS, Deviations, EffectDraw, PayloadSpread, Quantity
+from irb2400_ctrl.table import Table
 from irb2400_ctrl.typed import typed
 
 

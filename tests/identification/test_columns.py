@@ -10,6 +10,7 @@ from irb2400_ctrl.identification.fitting.choice import _may_be, candidates
 from irb2400_ctrl.identification.fitting.columns import ColumnLayout, Extra, columns
 from irb2400_ctrl.identification.fitting.consistent_fit import possible, pseudo_inertias
 from irb2400_ctrl.identification.fitting.noise import correlation_factor
+from irb2400_ctrl.identification.gate import motion_for
 from irb2400_ctrl.identification.identified_robot import body_of, fit_base, identified_robot
 
 
@@ -109,3 +110,6 @@ def test_a_far_coupling_is_taken_on_only_beside_one_of_neighbours() -> None:
         far,
     }
     assert far.touches == (3, 5)
+    assert motion_for("far_coupling_4 qdd here").startswith("joint 4 and the next but one")
+    assert motion_for("coupling_5 qdd here").startswith("joint 5 and the next, ")
+    assert "link 3" in motion_for("mx_3")

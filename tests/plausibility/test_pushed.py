@@ -28,10 +28,12 @@ TIMES = {
 
 
 @cache
-def sound() -> tuple[Log, np.ndarray]:
+def sound(in_tool_frame: bool = False) -> tuple[Log, np.ndarray]:
     """A sound arm's log, and the torque of one newton at the tool, shape (m, n) [Nm]."""
     log = Case(77, duration=25.0, validation_duration=3.0).simulate()[0]
-    force = LIBRARY["process_force"].of(None, force_x_N=0.6, force_z_N=0.8)
+    force = LIBRARY["process_force"].of(
+        None, force_x_N=0.6, force_z_N=0.8, in_tool_frame=in_tool_frame
+    )
     still = 0.0 * log.q
     pair = [
         Model(r).inverse_dynamics(log.q, still, still) for r in (ROBOT.with_effects(force), ROBOT)
@@ -39,9 +41,9 @@ def sound() -> tuple[Log, np.ndarray]:
     return Log(log.time, log.q, log.tau, qd=log.qd, q_ref=log.q_ref), pair[0] - pair[1]
 
 
-def log(times: str, size: float) -> Log:
+def log(times: str, size: float, in_tool_frame: bool = False) -> Log:
     """With a force at the tool [N] at these times."""
-    free, one = sound()
+    free, one = sound(in_tool_frame)
     acts = sum((free.time >= start) & (free.time < stop) for start, stop in TIMES[times])
     return Log(
         free.time, free.q, free.tau + size * acts[:, None] * one, qd=free.qd, q_ref=free.q_ref
@@ -49,10 +51,12 @@ def log(times: str, size: float) -> Log:
 
 
 @pytest.mark.parametrize("times", TIMES)
-@pytest.mark.parametrize("size", [150.0, 300.0])
-def test_a_force_at_the_tool_makes_no_other_robot_of_an_arm(times: str, size: float) -> None:
+@pytest.mark.parametrize(("size", "in_tool_frame"), [(150.0, False), (300.0, False), (300.0, True)])
+def test_a_force_at_the_tool_makes_no_other_robot_of_an_arm(
+    times: str, size: float, in_tool_frame: bool
+) -> None:
     """From 100 N on, a log of an IRB 2400 that cuts was told to be another robot's."""
-    found = understand(ROBOT, log(times, size))
+    found = understand(ROBOT, log(times, size, in_tool_frame))
     assert found is not None
     assert found.labelled.price > LOST_PRICE
     assert found.problem is None

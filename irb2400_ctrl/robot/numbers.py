@@ -6,8 +6,6 @@ from typing import Annotated
 
 from pydantic import Field
 
-from irb2400_ctrl.table import Table as Table
-
 Positive = Annotated[float, Field(gt=0)]
 NotNegative = Annotated[float, Field(ge=0)]
 Vector3 = tuple[float, float, float]
