@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+from typing import Any
+
 import numpy as np
 import pytest
 
 import irb2400_ctrl as irb
-from irb2400_ctrl.identification.fitting.choice import _may_be, candidates
+from irb2400_ctrl.identification.fitting.choice import Choice, _may_be, candidates
 from irb2400_ctrl.identification.fitting.columns import ColumnLayout, Extra, columns
 from irb2400_ctrl.identification.fitting.consistent_fit import possible, pseudo_inertias
 from irb2400_ctrl.identification.fitting.noise import correlation_factor
@@ -113,3 +116,23 @@ def test_a_far_coupling_is_taken_on_only_beside_one_of_neighbours() -> None:
     assert motion_for("far_coupling_4 qdd here").startswith("joint 4 and the next but one")
     assert motion_for("coupling_5 qdd here").startswith("joint 5 and the next, ")
     assert "link 3" in motion_for("mx_3")
+
+
+def test_the_choice_asks_what_may_be() -> None:
+    def chosen(**worth: float) -> list[str]:
+        class Told(Choice):
+            def _tried(self, extras: Any) -> Any:
+                gained = sum(worth.get(f"{e.kind}_{e.joint}", -1.0) for e in extras)
+                return SimpleNamespace(evidence=gained, possible=True)
+
+            def _shown(self, extra: Any, trial: Any, now: Any) -> bool:
+                return True
+
+        nothing: Any = None
+        base: Any = SimpleNamespace(layout=SimpleNamespace(n=6))
+        told = Told(base, nothing, nothing, nothing, nothing)
+        return [f"{e.kind}_{e.joint}" for e in told.extras()]
+
+    assert chosen(far_coupling_4=50.0) == []
+    assert chosen(far_coupling_4=50.0, coupling_5=20.0) == ["coupling_5", "far_coupling_4"]
+    assert chosen(far_coupling_4=5.0, coupling_5=20.0) == ["coupling_5", "far_coupling_4"]

@@ -4,6 +4,8 @@ something of its own, which is for the diagnosis to name."""
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -11,8 +13,12 @@ from independent_plant import Case
 
 from irb2400_ctrl.diagnosis import diagnose
 from irb2400_ctrl.measurement import Log
-from irb2400_ctrl.plausibility.criteria import SOUND_LEFT
+from irb2400_ctrl.plausibility import search
+from irb2400_ctrl.plausibility.criteria import SOUND_LEFT, only_one_off
+from irb2400_ctrl.plausibility.evidence import Fit
 from irb2400_ctrl.plausibility.log_check import check_log, log_problem
+from irb2400_ctrl.plausibility.problem import LogProblem
+from irb2400_ctrl.plausibility.reading import motion_readings
 from irb2400_ctrl.plausibility.search import understand
 from irb2400_ctrl.robot import load_robot
 
@@ -51,3 +57,49 @@ def test_a_column_of_that_joint_is_still_named() -> None:
     found = log_problem(ROBOT, replace(given, tau=tau))
     assert found is not None
     assert found.joints == (6,)
+
+
+def near(labelled: Fit, price: float) -> Fit:
+    """It leaves less of that joint, and costs less, but is not sound."""
+    return Fit(labelled.cost - 1e3, price, 0.5 * labelled.left)
+
+
+def test_what_fits_the_others_less_is_not_said(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A reading of another joint, a part of the torque, another mounting: each would be taken where
+    more than one joint is off."""
+    given = log(5, 4.0)
+    of_four = next(r for r in motion_readings(ROBOT) if r.joints == (4,))
+    monkeypatch.setattr(
+        search._Search, "better", lambda self, reading, fit: (of_four, near(fit, 99.0))
+    )
+    monkeypatch.setattr(
+        search,
+        "best_part",
+        lambda nominal, rows, labelled: (near(labelled, 99.0), LogProblem("torque_part", "a part")),
+    )
+    monkeypatch.setattr(
+        search, "mounting_problem", lambda *given: LogProblem("mounting", "on a wall")
+    )
+    found = understand(ROBOT, given)
+    assert found is not None
+    assert found.problem is None
+    assert not found.reading.kind
+    assert "joint 5" in found.although
+
+
+def one_off(left: list[float], price: float, rest: float = 0.1) -> int | None:
+    """Of a log that leaves this of its joints, and `rest` of them beside the worst, at a price."""
+    others = Fit(0.0, price, np.full(len(left), rest))
+    nominal: Any = SimpleNamespace(beside=lambda rows, columns, joint: others)
+    nothing: Any = None
+    return only_one_off(nominal, nothing, nothing, Fit(0.0, 1e3, np.array(left)))
+
+
+def test_one_joint_is_off_where_the_others_are_sound_without_it() -> None:
+    assert one_off([0.1, 0.1, 0.6, 0.1], 17.0) == 3
+    assert one_off([0.1, 0.1, 0.6, 0.1], 18.0) is None  # of three joints half of 35
+    assert one_off([0.1, 0.1, 0.6, 0.1], 10.0, rest=0.5) is None
+    assert one_off([0.1, 0.6, 0.6, 0.1], 10.0) is None
+    assert one_off([0.1, 0.1, 0.1, 0.1], 10.0) is None
+    # two joints do not tell an arm
+    assert one_off([0.1, 0.1, 0.6], 5.0) is None
