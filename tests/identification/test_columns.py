@@ -13,6 +13,7 @@ from irb2400_ctrl.identification.fitting.choice import Choice, _may_be, candidat
 from irb2400_ctrl.identification.fitting.columns import ColumnLayout, Extra, columns
 from irb2400_ctrl.identification.fitting.consistent_fit import possible, pseudo_inertias
 from irb2400_ctrl.identification.fitting.noise import correlation_factor
+from irb2400_ctrl.identification.fitting.prior import prior_of
 from irb2400_ctrl.identification.gate import motion_for
 from irb2400_ctrl.identification.identified_robot import body_of, fit_base, identified_robot
 
@@ -136,3 +137,20 @@ def test_the_choice_asks_what_may_be() -> None:
     assert chosen(far_coupling_4=50.0) == []
     assert chosen(far_coupling_4=50.0, coupling_5=20.0) == ["coupling_5", "far_coupling_4"]
     assert chosen(far_coupling_4=5.0, coupling_5=20.0) == ["coupling_5", "far_coupling_4"]
+
+
+def test_the_widths_of_a_coupling_are_those_of_its_two_joints(model: irb.Model) -> None:
+    far = Extra("far_coupling", 4)
+    layout = ColumnLayout(6, (far,))
+
+    def widths(faster: int) -> np.ndarray:
+        speed = np.ones(6)
+        speed[faster - 1] = 2.0
+        prior = prior_of(model.robot, layout, (np.ones(6), speed, np.ones(6)))
+        return np.sqrt(prior.drives[-far.size :])
+
+    usual = widths(1)
+    np.testing.assert_allclose(widths(5), usual)
+    # friction here by the motion of joint 6, there by that of joint 4
+    np.testing.assert_allclose(widths(6) / usual, [1, 1, 0.5, 1, 1, 1])
+    np.testing.assert_allclose(widths(4) / usual, [1, 1, 1, 0.5, 1, 1])
