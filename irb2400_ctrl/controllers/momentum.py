@@ -20,6 +20,7 @@ from numpy.typing import ArrayLike
 
 from irb2400_ctrl.codegen import Block, Field
 from irb2400_ctrl.controllers.arm_numbers import ArmNumbers
+from irb2400_ctrl.controllers.origin import origin_of
 from irb2400_ctrl.controllers.parts import Values, assemble, check_masses, gain
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.model import Model
@@ -115,7 +116,7 @@ def momentum_observer(
         wrench = factorise(J @ J.T + DAMPING**2 * ca.SX.eye(6)).solve(J @ tau_ext)
         return {"tau_ext": tau_ext, "wrench": wrench, **after}
 
-    return assemble(
+    block = assemble(
         "momentum_observer",
         "external torque from the generalised momentum",
         sample_time,
@@ -126,6 +127,7 @@ def momentum_observer(
         parameters=(observer_bandwidth(robot, "observer", bandwidth, sample_time),),
         told=observer_told(n),
     )
+    return replace(block, origin=origin_of(robot, block.name, {"bandwidth": bandwidth}))
 
 
 def observer_bandwidth(robot: Robot, name: str, value: ArrayLike, sample_time: float) -> Field:

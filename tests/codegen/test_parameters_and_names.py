@@ -18,7 +18,7 @@ from irb2400_ctrl.codegen.firmware import TOOLS, build_firmware
 from irb2400_ctrl.codegen.machine_code.toolchain import find_compiler
 from irb2400_ctrl.codegen.package import FAULT_INPUT, FAULT_PARAMETERS, FAULT_RESULT, Package
 from irb2400_ctrl.codegen.targets import find_target
-from irb2400_ctrl.controllers import controller, guarded
+from irb2400_ctrl.controllers import controller, guarded, momentum_observer
 from irb2400_ctrl.errors import InputError
 
 from .blocks import pd_block, stateless_block
@@ -121,6 +121,16 @@ def test_every_file_says_where_it_comes_from(tmp_path: Path) -> None:
         for what in ("robot sha256", "code sha256", "irb2400_ctrl", "casadi", "tool"):
             assert f"{what}: {told[what]}" in text or f'"{what}": "{told[what]}"' in text, path
         assert str(tmp_path) not in text
+
+
+def test_an_observer_says_of_which_arm_it_is() -> None:
+    robot = irb.load_robot("irb2400")
+    told = dict(Package(momentum_observer(robot, bandwidth=40.0)).provenance)
+    same = dict(Package(controller("gravity_pd", robot)).provenance)
+    assert (told["controller"], told["design"]) == ("momentum_observer", "bandwidth 40.0")
+    assert [told[k] for k in ("robot", "tool", "robot sha256")] == [
+        same[k] for k in ("robot", "tool", "robot sha256")
+    ]
 
 
 def test_another_robot_has_another_hash() -> None:
