@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,8 +17,11 @@ from irb2400_ctrl.robot.shape import Box, Hull, Solid
 from irb2400_ctrl.typed import typed
 
 FLOOR = "floor"
-# the floor is a slab of this size [mm]: wide enough for any arm, thick enough to be told from below
-_FLOOR_MM = (40_000.0, 40_000.0, 1000.0)
+# the floor is a slab of this size [mm]: wide enough for any arm, and so thick that one which is
+# stated above an arm (that hangs) has the whole arm within
+_FLOOR_MM = (40_000.0, 40_000.0, 40_000.0)
+# a thing of solid shapes that is no larger was stated in metres [m]
+_SPECK = 0.005
 
 
 @dataclass(frozen=True, eq=False)
@@ -129,7 +133,7 @@ def cell_pieces(cell: Cell, robot: Robot | None = None) -> list[Piece]:
         robot: whose gravity says where the floor is; default straight down.
 
     Raises:
-        InputError: a mesh cannot be read.
+        InputError: a mesh cannot be read, or a thing is a speck.
     """
     found = []
     for thing in cell.things:
@@ -157,5 +161,31 @@ def cell_pieces(cell: Cell, robot: Robot | None = None) -> list[Piece]:
     return found
 
 
+def open_meshes(pieces: Sequence[Piece]) -> str | None:
+    """What to ask of meshes that have no inside, in which a body that slips through a gap is free;
+    None where there are none.
+
+    Args:
+        pieces: of a cell.
+    """
+    of_mesh = (piece for piece in pieces if isinstance(piece.shape, Surface))
+    gaps = dict.fromkeys(p.name for p in of_mesh if not p.shape.closed)  # type: ignore[union-attr]
+    if not gaps:
+        return None
+    return (
+        f"the triangles of {', '.join(gaps)} do not close, or are turned both ways: they alone may "
+        "not be touched, what lies behind them counts as air; export a closed solid, unless it is "
+        "a sheet"
+    )
+
+
 def _shapes(cell: Cell, thing: Thing) -> list[Solid | Surface]:
+    solids = [s for s in thing.shapes if isinstance(s, Solid)]
+    if len(solids) == len(thing.shapes):
+        size = float(np.ptp(np.concatenate([s.corners() for s in solids]), axis=0).max())
+        if size < _SPECK:
+            raise InputError(
+                f"cell {cell.name}, {thing.name}: found a thing of {1e3 * size:.3g} mm, expected "
+                f"{1e3 * _SPECK:g} mm or more; are its numbers metres? State them in mm"
+            )
     return [s if isinstance(s, Solid) else read_mesh(s, cell.folder) for s in thing.shapes]

@@ -20,7 +20,8 @@ _STL_TRIANGLE = 50
 
 
 def triangles_of(path: Path) -> tuple[Array, Integers, bool]:
-    """Points (k, 3) in the file's unit, triangles (m, 3), and whether they close.
+    """Points (k, 3) in the file's unit, triangles (m, 3), and whether they close, all
+    turned the same way.
 
     Raises:
         InputError: trimesh is not installed, or cannot read the file; too large; nothing in it.
@@ -63,7 +64,8 @@ def triangles_of(path: Path) -> tuple[Array, Integers, bool]:
             f"mesh {path}: found {len(triangles):,} triangles, expected at most "
             f"{MOST_TRIANGLES:,}; export it coarser"
         )
-    return points, triangles, bool(found.is_watertight)
+    closed = found.is_watertight and found.is_winding_consistent
+    return points, triangles, bool(closed)
 
 
 def _not_triangles(path: Path) -> str:

@@ -26,8 +26,9 @@ def explain(
     lines = []
     items = error.errors()
     for item in items:
+        depth = len(item["loc"])
         inside = (other for other in items if other is not item)
-        if item["type"] == "too_short" and any(o["loc"][:1] == item["loc"] for o in inside):
+        if item["type"] == "too_short" and any(o["loc"][:depth] == item["loc"] for o in inside):
             # the entries are there, with problems of their own
             continue
         parts = [part for part in item["loc"] if part not in _TAGS]

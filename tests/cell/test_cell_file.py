@@ -92,6 +92,25 @@ def test_what_is_wrong_is_said(tmp_path: Path, text: str, says: str) -> None:
     assert "cell.toml" in str(error.value)
 
 
+@pytest.mark.parametrize("scale", [1, 1e-3], ids=["mm", "m"])
+def test_a_post_in_metres_is_no_speck(tmp_path: Path, scale: float) -> None:
+    """It was one of 1.5 mm at the foot of the arm, and nothing ever touched it."""
+    ends = f"from_mm = [{950 * scale}, 0, 0], to_mm = [{950 * scale}, 0, {1500 * scale}]"
+    shape = f'{{ kind = "cylinder", {ends}, radius_mm = {50 * scale} }}'
+    found = cell(tmp_path, 'name = "a"\n' + THING.format(shape=shape))
+    if scale == 1:
+        assert len(cell_pieces(found)) == 1
+        return
+    with pytest.raises(InputError, match=r"box: found a thing of 1\.\d mm.*are its numbers metres"):
+        cell_pieces(found)
+
+
+def test_shapes_that_are_wrong_are_not_missing_as_well(tmp_path: Path) -> None:
+    with pytest.raises(InputError) as error:
+        cell(tmp_path, 'name = "a"\n' + THING.format(shape='{ kind = "mehs" }'))
+    assert "at least 1 item" not in str(error.value)
+
+
 def test_missing_files_are_said(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="found nothing, expected a cell file"):
         load_cell(tmp_path / "none.toml")

@@ -211,5 +211,14 @@ def test_the_floor_lies_across_gravity(along: tuple[float, float, float]) -> Non
     )
 
 
+def test_a_floor_above_an_arm_that_hangs_is_touched() -> None:
+    """Its height had the wrong sign, and there was no floor below."""
+    robot = ROBOT.model_copy(update={"gravity_m_s2": (0.0, 0.0, 9.81)})
+    found = Scene.of(Model(robot), robot, Cell(name="hall", floor_mm=2500.0))
+    assert found is not None
+    q = np.zeros((1, 6))
+    assert found.clearance(q, np.zeros(1, dtype=bool), 1.0, ~_own(found))[0] < 0
+
+
 def _own(found: Scene) -> npt.NDArray[np.bool_]:
     return np.arange(found.pairs) < len(found.own)

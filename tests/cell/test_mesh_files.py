@@ -4,6 +4,7 @@ numbers; and a part that is not where the path is."""
 from __future__ import annotations
 
 import struct
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +12,7 @@ import pytest
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.cell import load_cell
-from irb2400_ctrl.cell.piece import cell_pieces
+from irb2400_ctrl.cell.piece import cell_pieces, open_meshes
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.planners import read_program
 from irb2400_ctrl.planners.clearance.beside_part import beside_part
@@ -33,10 +34,10 @@ shapes = [{ kind = "mesh", file = "FILE"UNIT }]
 PATH = "G21 G90\nG1 X10.0 Y10.0 Z0.0 F600\nX90.0\nY50.0\nX10.0\nM30\n"
 
 
-def stl(corners: Array) -> bytes:
-    """A box as a binary STL file whose title begins with the word that texts begin with."""
-    triangles = b"".join(struct.pack("<12fH", 0, 0, 0, *corners[list(f)].ravel(), 0) for f in FACES)
-    return b"solid of some CAD".ljust(80) + struct.pack("<I", len(FACES)) + triangles
+def stl(corners: Array, faces: Sequence[tuple[int, ...]] = FACES) -> bytes:
+    """A box, or some faces of it, as a binary STL file; its title begins as texts do."""
+    triangles = b"".join(struct.pack("<12fH", 0, 0, 0, *corners[list(f)].ravel(), 0) for f in faces)
+    return b"solid of some CAD".ljust(80) + struct.pack("<I", len(faces)) + triangles
 
 
 def cell_with(folder: Path, content: bytes, name: str = "part.stl", unit: str = "") -> Path:
@@ -74,6 +75,17 @@ def test_a_wall_in_metres_is_no_speck(tmp_path: Path) -> None:
     assert 2e3 * pin.half_size()[0] == pytest.approx(3.0, rel=1e-5)
 
 
+def test_a_mesh_with_a_gap_is_asked_about(tmp_path: Path) -> None:
+    """A tool went in through the gap, and what it cut was free of it by 14 mm."""
+    whole = cell_pieces(load_cell(cell_with(tmp_path, stl(CORNERS))))
+    assert open_meshes(whole) is None
+    without_top = stl(CORNERS, [f for f in FACES if any(CORNERS[k][2] < 0 for k in f)])
+    both_ways = stl(CORNERS, [f if k % 2 else f[::-1] for k, f in enumerate(FACES)])
+    for content in (without_top, both_ways):
+        found = cell_pieces(load_cell(cell_with(tmp_path, content)))
+        assert "the triangles of block do not close, or are turned" in str(open_meshes(found))
+
+
 def test_corners_that_are_no_numbers_are_refused(tmp_path: Path) -> None:
     """A reader that leaves such triangles out would show a part with a hole."""
     corners = CORNERS.copy()
@@ -98,11 +110,11 @@ def test_a_part_that_is_not_where_the_path_is_is_asked_about(tmp_path: Path) -> 
     (tmp_path / "path.nc").write_text(PATH)
     program = read_program(tmp_path / "path.nc")
     right = load_cell(cell_with(tmp_path, stl(CORNERS)))
-    assert beside_part(program, right, right.work_frame) is None
+    assert beside_part(program, cell_pieces(right), right.work_frame) is None
     # inches read as millimetres: a part of 4.7 mm, the path 10 mm from it
     small = load_cell(cell_with(tmp_path, stl(CORNERS / 25.4), "small.stl", unit="mm"))
     assert "mm to block, which is 4.658 mm large" in str(
-        beside_part(program, small, small.work_frame)
+        beside_part(program, cell_pieces(small), small.work_frame)
     )
     # the path in the robot base, the part on the work object
-    assert "is the unit of its mesh right" in str(beside_part(program, right, None))
+    assert "is the unit of its mesh right" in str(beside_part(program, cell_pieces(right), None))

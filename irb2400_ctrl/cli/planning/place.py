@@ -152,18 +152,24 @@ def _written(facts: dict[str, Any], page: Page, arm: Robot, out: Path) -> Summar
 
 def _cell_of(file: Path | None) -> Cell | None:
     from irb2400_ctrl.cell import load_cell
+    from irb2400_ctrl.cell.piece import cell_pieces, open_meshes
 
-    around = None if file is None else load_cell(file)
-    if around is not None and around.rail_moves:
+    if file is None:
+        return None
+    around = load_cell(file)
+    if around.rail_moves:
         raise InputError(
             f"cell {around.name}: found a rail whose carriage moves, which the search of a place "
             "does not follow; expected a place at which it stands (position_mm)"
         )
-    if around is not None and around.positioner is not None:
+    if around.positioner is not None:
         raise InputError(
             f"cell {around.name}: found a [positioner], which the search of a place does not turn; "
             "expected a cell without it (plan --positioner find chooses its angles)"
         )
+    question = open_meshes(cell_pieces(around))
+    if question is not None:
+        print(f"is this meant? {question}")
     return around
 
 

@@ -46,23 +46,26 @@ def placed(
 
 
 def doubts(arm: Robot, program: CamProgram, options: dict[str, Any]) -> list[str]:
-    """What to ask of the place of a part: a spindle below it, a path beside it.
+    """What to ask of the place of a part: a spindle below it, a path beside it, a mesh with gaps.
 
     Args:
         arm: whose gravity says what is below.
         program: its points in the frame of the CAM file.
         options: of `plan_path`, with the frame and the cell.
     """
+    from irb2400_ctrl.cell.piece import cell_pieces, open_meshes
     from irb2400_ctrl.planners.clearance.beside_part import beside_part
     from irb2400_ctrl.planners.linking.part_in_base import frame_of
     from irb2400_ctrl.planners.toolpath.from_below import from_below
 
     cell = options["cell"]
     frame = frame_of(options)
+    pieces = [] if cell is None else cell_pieces(cell)
     turns = cell is not None and cell.positioner is not None
     found = [
         None if turns else from_below(arm, program, frame),
-        None if cell is None else beside_part(program, cell, frame),
+        beside_part(program, pieces, frame),
+        open_meshes(pieces),
     ]
     return [question for question in found if question is not None]
 

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from irb2400_ctrl.arrays import Array
-from irb2400_ctrl.cell.description import Cell
-from irb2400_ctrl.cell.piece import Piece, cell_pieces
+from irb2400_ctrl.cell.piece import Piece
 from irb2400_ctrl.planners.toolpath.cam_program import CamProgram
 
 
-def beside_part(program: CamProgram, cell: Cell, frame: Array | None) -> str | None:
+def beside_part(program: CamProgram, pieces: Sequence[Piece], frame: Array | None) -> str | None:
     """What to ask where no point of a program is nearer to a part or stock than that is large: a
     mesh in another unit, or another frame; None where one is, or the cell has neither.
 
@@ -18,10 +19,11 @@ def beside_part(program: CamProgram, cell: Cell, frame: Array | None) -> str | N
 
     Args:
         program: its points in the frame of the CAM file [m].
+        pieces: of the cell.
         frame: X_BW that they are planned in, shape (4, 4) [m]; None where they are stated in the
             robot base.
     """
-    parts = [piece for piece in cell_pieces(cell) if piece.may_be_cut]
+    parts = [piece for piece in pieces if piece.may_be_cut]
     if not parts or not program.operations:
         return None
     points = np.concatenate([operation.path.position for operation in program.operations])
