@@ -15,7 +15,8 @@ def write_atomic(path: Path | str, content: str | bytes | Iterator[str]) -> Path
     """Write `content` under a temporary name in the same folder, bring it to the disk, then move
     it to `path`; a long text as its parts, which are not in memory all at once.
 
-    Missing parent folders are made. Returns the path.
+    Missing parent folders are made; a byte of a file's name that is no UTF-8 becomes a question
+    mark. Returns the path.
     """
     path = Path(path)
     path.parent.mkdir(parents=True, exist_ok=True)
@@ -24,7 +25,7 @@ def write_atomic(path: Path | str, content: str | bytes | Iterator[str]) -> Path
     try:
         with os.fdopen(handle, "wb") as file:
             for part in parts:
-                file.write(part.encode() if isinstance(part, str) else part)
+                file.write(part if isinstance(part, bytes) else part.encode(errors="replace"))
             file.flush()
             os.fsync(file.fileno())
         # mkstemp makes private files; results are meant to be read by others too

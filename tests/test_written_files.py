@@ -14,7 +14,7 @@ from jsonschema import Draft202012Validator
 from written_files import KINDS, problem, validator, written_in
 
 import irb2400_ctrl as irb
-from irb2400_ctrl.files import write_json
+from irb2400_ctrl.files import write_atomic, write_json
 
 PACKAGE = Path(irb.__file__).parent
 
@@ -79,6 +79,12 @@ def test_a_schema_that_lacks_a_key_refuses_the_file(plan: Path) -> None:
         del part["properties"][key]
         part["required"] = [name for name in part["required"] if name != key]
         assert not Draft202012Validator(lacking).is_valid(content), key
+
+
+def test_a_name_that_is_no_utf8_is_written_with_a_question_mark(tmp_path: Path) -> None:
+    """Of a file unpacked from an archive of Windows; its report was "a fault of irb2400 itself"."""
+    name = b"Gr\xf6sse.csv".decode("utf-8", "surrogateescape")
+    assert write_atomic(tmp_path / "report.html", name).read_text() == "Gr?sse.csv"
 
 
 def test_every_json_file_that_is_written_has_a_schema() -> None:
