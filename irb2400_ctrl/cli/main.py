@@ -110,13 +110,16 @@ def run() -> None:
         _stop(1, "the memory of this machine was not enough; nothing half-written is left", error)
     except OSError as error:
         told = f"{_told(error)}; nothing half-written is left; check room and permissions"
-        _stop(1, told, error)
+        held = ", and whether another program, such as Excel, has the file open"
+        _stop(1, told + held * isinstance(error, PermissionError), error)
     except Exception as error:
         _last_resort(error)
 
 
 def _told(error: OSError) -> str:
-    place = f"{error.filename}: " if error.filename else ""
+    # of two files the second is the one that was to be replaced; the first has a name of ours
+    name = error.filename2 or error.filename
+    place = f"{name}: " if name else ""
     return f"{place}{error.strerror or error}"
 
 

@@ -30,6 +30,7 @@ def told(monkeypatch: pytest.MonkeyPatch, capsys, error: BaseException) -> tuple
         (InputError("q7 found, six expected"), 2, r"^irb2400: q7 found, six expected$"),
         (IrbError("the solver gave up"), 1, r"^irb2400: the solver gave up$"),
         (OSError(errno.ENOSPC, "No space left on device", "out/log.csv"), 1, r"out/log.csv: No sp"),
+        (PermissionError(13, "denied", ".x.csv.1", None, "x.csv"), 1, r": x.csv: den.*Excel"),
         (MemoryError(), 1, r"memory of this machine was not enough"),
         (ZeroDivisionError("division by zero"), 1, r"ZeroDivisionError in test_faults.py:\d+"),
     ],
