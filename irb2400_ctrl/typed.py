@@ -155,6 +155,8 @@ def _found(value: Any) -> str:
         return f"the class {value.__name__} itself"
     if isinstance(value, np.ndarray):
         return f"an array of shape {value.shape}"
+    if isinstance(value, list | tuple) and any(v != v for v in value if isinstance(v, float)):
+        return f"{value!r:.60}"
     inside = sorted({type(v).__name__ for v in value}) if isinstance(value, list | tuple) else ()
     return f"a {type(value).__name__}" + (f" of {', '.join(inside)}" if inside else "")
 

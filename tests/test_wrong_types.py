@@ -173,6 +173,12 @@ def test_how_one_comes_by_a_type_names_what_there_is() -> None:
         assert any(hasattr(room, kind) for room in [irb, *ROOMS]) or kind == "PathDynamics", kind
 
 
+def test_no_number_among_numbers_is_shown() -> None:
+    """It was "found a tuple of float, int"."""
+    with pytest.raises(InputError, match=r"^centre: found \(0.95, 0, nan\), expected a sequence"):
+        irb.planners.builders.circle((0.95, 0, float("nan")), 0.15, feed=0.1)
+
+
 def test_a_missing_argument_is_said_in_the_words_of_python() -> None:
     with pytest.raises(TypeError, match=r"plan_path\(\) missing 1 required .*'path'"):
         irb.plan_path(ARM)

@@ -87,10 +87,11 @@ class JointBox:
 
 
 def skewness(X: ca.SX) -> ca.SX:
-    """By how much columns miss unit length and right angles; more than 1 where they are
-    left-handed, no number where an entry is none."""
+    """By how much columns miss unit length and right angles, and the last row 0, 0, 0, 1; more than
+    1 where they are left-handed, no number where an entry is none."""
     R = X[:3, :3]
     off = ca.norm_fro(R.T @ R - ca.DM.eye(3))
+    off += ca.norm_1(X[3, :] - ca.DM([[0, 0, 0, 1]]))
     return off + 2 * (ca.dot(ca.cross(R[:, 0], R[:, 1]), R[:, 2]) <= 0)
 
 
@@ -102,7 +103,8 @@ def require_rotation(skew: float) -> None:
     """
     if not skew <= ROTATION:
         raise InputError(
-            "inverse kinematics: the upper left (3, 3) block of the pose is not a rotation"
+            "inverse kinematics: found a pose whose upper left (3, 3) block is not a rotation, or "
+            "whose last row is not 0, 0, 0, 1; expected [[R, p], [0, 0, 0, 1]] (transposed?)"
         )
 
 

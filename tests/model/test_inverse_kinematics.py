@@ -157,8 +157,9 @@ class TestRefusals:
             np.full((4, 4), np.nan),
             np.diag([1.0, 1.0, -1.0, 1.0]),
             np.diag([2.0, 1.0, 1.0, 1.0]),
+            np.eye(4) + 0.9 * np.eye(4, k=-3),
         ],
-        ids=["shape", "nan", "mirror", "scaled"],
+        ids=["shape", "nan", "mirror", "scaled", "transposed"],
     )
     def test_not_a_pose(self, model: irb.Model, X: np.ndarray) -> None:
         with pytest.raises(InputError, match="inverse kinematics"):
