@@ -9,6 +9,7 @@ from robots.imported import mixed, offset_wrist
 from scipy.spatial.transform import Rotation
 
 import irb2400_ctrl as irb
+from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.model.characteristic_roots import CharacteristicRoots
 from irb2400_ctrl.model.newton_branches import NewtonBranches
 
@@ -53,6 +54,14 @@ def test_a_pose_out_of_reach_has_no_branch(robot_: irb.Robot) -> None:
     X[:, 1, 3] = [3.0, 10.0, 30.0, 1000.0]
     for pose in X:
         assert not np.isfinite(NewtonBranches(robot_).many(pose[None], None).q).any()
+
+
+@pytest.mark.parametrize("free", [True, False])
+def test_no_path_is_planned_for_them(free: bool) -> None:
+    """It was a fault of the library's own: an array of another shape."""
+    path = irb.planners.builders.line((0.4, 0.0, 0.4), (0.4, 0.1, 0.4), feed=0.1)
+    with pytest.raises(InputError, match=r"no closed-form .* known are arms with a"):
+        irb.plan_path(mixed(), path, free_tool_rotation=free)
 
 
 def test_a_pair_of_branches_that_many_starts_seldom_reach_is_found() -> None:

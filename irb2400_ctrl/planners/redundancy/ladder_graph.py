@@ -103,7 +103,12 @@ class Ladder:
 
     @classmethod
     def at(cls, model: Model, u: Array, rotation: Array, X: Array) -> Ladder:
-        """The same at poses X_BT (n, r, 4, 4)."""
+        """The same at poses X_BT (n, r, 4, 4).
+
+        Raises:
+            InputError: an arm without a closed form, whose branches are not eight.
+        """
+        _ = model.arm_geometry
         n = len(u)
         r = len(rotation)
         found = model.inverse_kinematics_branches(X.reshape(-1, 4, 4))
