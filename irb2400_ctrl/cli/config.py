@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tomllib
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -49,10 +48,10 @@ def _tables(path: Path, verb: str | None) -> dict[str, Any]:
     """The keys of the file for a verb: those at its top, then those of the verb's own table."""
     if not path.is_file():
         raise InputError(f"--config {path}: found nothing, expected a TOML file of options")
-    try:
-        read = tomllib.loads(path.read_text(encoding="utf-8"))
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise InputError(f"--config {path} is not TOML: {error}") from error
+    from irb2400_ctrl.reading import bounded_text, toml_tables
+
+    source = f"--config {path}"
+    read = toml_tables(bounded_text(path, "a TOML file of options"), source)
     tables = {key: value for key, value in read.items() if isinstance(value, dict)}
     shared = {key: value for key, value in read.items() if key not in tables}
     return {**shared, **tables.get(verb or "", {})}

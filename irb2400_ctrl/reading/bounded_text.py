@@ -23,6 +23,9 @@ _WIDE = (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)
 _NAME = r"[\w\-\"']+"
 _DEEP_KEY = re.compile(rf"[\s\[]*{_NAME}(?:[ \t]*\.[ \t]*{_NAME}){{{DEEPEST},}}")
 
+# what is said of "C:\Users", where a backslash begins a character that is written otherwise
+_OF_A_BACKSLASH = ("Unescaped", "Invalid hex")
+
 
 def bounded_text(path: Path, what: str, most: int = MOST_BYTES) -> str:
     """The text of a file in UTF-8, its mark left out.
@@ -69,7 +72,9 @@ def toml_tables(text: str, source: str) -> dict[str, Any]:
     try:
         return tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
-        raise InputError(f"{source} is not TOML: {error}") from error
+        slash = str(error).startswith(_OF_A_BACKSLASH)
+        hint = "; write a path with /, or in single quotes: 'C:\\arm.toml'" if slash else ""
+        raise InputError(f"{source} is not TOML: {error}{hint}") from error
     except RecursionError as error:
         raise InputError(f"{source} is not a file of this kind: nested without end") from error
     except ValueError as error:

@@ -85,6 +85,18 @@ def test_a_wrong_file_of_options_is_refused(line: Path, text: str) -> None:
         run("plan", line, "--config", config, "--out", line.parent)
 
 
+def test_a_file_of_options_of_windows(line: Path) -> None:
+    """With a mark in front, as Notepad saves, and paths with backslashes."""
+    config = line.with_name("mine.toml")
+    config.write_bytes("rat = 500\r\n".encode("utf-8-sig"))
+    with pytest.raises(InputError, match="found rat; expected options of irb2400 plan"):
+        run("plan", line, "--config", config)
+    for place in (r"C:\Users\out", r"C:\My Files"):
+        config.write_text(f'out = "{place}"\n')
+        with pytest.raises(InputError, match="write a path with /, or in single quotes"):
+            run("plan", line, "--config", config)
+
+
 def test_one_value_of_the_robot_is_changed(line: Path) -> None:
     out = line.with_name("out")
     told = [
