@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -264,6 +265,35 @@ def test_what_is_no_robot_or_no_path_is_said() -> None:
         plan_path(load_robot("irb2400"), "part.apt")  # type: ignore[arg-type]
     with pytest.raises(InputError, match="robot: found 'irb2400', expected a Robot"):
         Model("irb2400")  # type: ignore[arg-type]
+
+
+POINTS = np.array([[0.9, 0.0, 0.5], [0.9, 0.1, 0.5], [0.9, 0.2, 0.5]])
+
+
+@pytest.mark.parametrize(
+    ("made", "says"),
+    [
+        (lambda: builders.way_points(POINTS, feed=[0.1, 0.1]), r"feed has shape \(2,\).*\(3,\)"),
+        (lambda: builders.way_points(POINTS, axis=[0, 1]), r"axis has shape \(2,\), expected \(3,"),
+        (lambda: builders.way_points(POINTS, axis=1.0), r"axis has shape \(\)"),
+        (lambda: builders.poses(np.tile(np.eye(4), (3, 1, 1)), feed=[1, 2]), "poses: feed has"),
+        (lambda: builders.spline(POINTS, axis=[[0, 0, 1]] * 2), "spline: axis has"),
+        (lambda: builders.curve(lambda t: t[:, None] * (0, 1, 0), axis=(0, 1)), "curve: axis has"),
+        (lambda: builders.circle((0.9, 0.1), 0.2), r"centre: found .* of shape \(3,\)"),
+        (lambda: builders.circle((0.9, 0, 0.5), 0.2, normal=(0, 0, 0)), "normal has no direction"),
+        (lambda: builders.circle((0.9, 0, 0.5), 0.2, sweep=360), "2 pi is a whole turn"),
+        (
+            lambda: builders.raster(
+                (0.9, 0, 0), 1, 1, lines=2, points=3, height=lambda x, y: x[:1]
+            ),
+            r"height\(x, y\) has shape \(1,\), expected one number or \(3,\)",
+        ),
+    ],
+)
+def test_what_makes_no_path_is_said(made: Callable[[], ToolPath], says: str) -> None:
+    """Most were numpy's own errors; 360 made 57 turns."""
+    with pytest.raises(InputError, match=says):
+        made()
 
 
 def test_lengths_in_millimetres_are_asked_about() -> None:

@@ -13,13 +13,15 @@ from numpy.typing import ArrayLike
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InputError
-from irb2400_ctrl.given import numbers
+from irb2400_ctrl.given import finite, numbers
 from irb2400_ctrl.planners.toolpath.orientation import frame_of
 from irb2400_ctrl.planners.toolpath.toolpath import ToolPath
 from irb2400_ctrl.typed import typed
 
 UP = (0.0, 0.0, 1.0)
 CHORD = 1e-5
+MOST_SWEEP = 8 * np.pi
+"""of an arc [rad]: more is taken for degrees"""
 
 
 @typed
@@ -43,10 +45,8 @@ def way_points(
     if position.ndim != 2 or position.shape[1] != 3:
         raise InputError(f"{name}: points have shape {position.shape}, expected (n, 3)")
     n = len(position)
-    axes = np.broadcast_to(np.asarray(axis, dtype=float), (n, 3))
-    return ToolPath(
-        position, axes, None, np.broadcast_to(np.asarray(feed, dtype=float), (n,)), name
-    )
+    axes = _each(f"{name}: axis", axis, (3,), n)
+    return ToolPath(position, axes, None, _each(f"{name}: feed", feed, (), n), name)
 
 
 @typed
@@ -65,7 +65,7 @@ def poses(X_BT: ArrayLike, *, feed: ArrayLike = np.inf, name: str = "poses") -> 
         X[:, :3, 3],
         None,
         X[:, :3, :3],
-        np.broadcast_to(np.asarray(feed, dtype=float), (len(X),)),
+        _each(f"{name}: feed", feed, (), len(X)),
         name,
     )
 
@@ -110,17 +110,21 @@ def circle(
         feed: [m/s].
         chord: largest distance of arc and polygon [m].
     """
-    if radius <= 0 or chord <= 0 or sweep == 0:
+    if radius <= 0 or chord <= 0 or not 0 < abs(sweep) <= MOST_SWEEP:
         raise InputError(
             f"circle: radius {radius}, chord {chord}, sweep {sweep}; expected positive lengths and "
-            "a sweep"
+            "a sweep in radians (2 pi is a whole turn), four turns at most"
         )
-    z = np.asarray(normal, dtype=float) / np.linalg.norm(normal)
+    z = finite("circle: normal", normal, (3,), "-")
+    if not z.any():
+        raise InputError("circle: normal has no direction, expected one such as (0, 0, 1)")
+    z /= np.linalg.norm(z)
     x, y, _ = frame_of(z).T
     step = 2 * np.arccos(max(1 - chord / radius, 0.0))
     count = max(int(np.ceil(abs(sweep) / step)), 16)
     angle = start + sweep * np.arange(count + 1) / count
-    points = np.asarray(centre) + radius * (np.cos(angle)[:, None] * x + np.sin(angle)[:, None] * y)
+    middle = finite("circle: centre", centre, (3,), "m")
+    points = middle + radius * (np.cos(angle)[:, None] * x + np.sin(angle)[:, None] * y)
     return way_points(points, z if axis is None else axis, feed=feed, name="circle")
 
 
@@ -155,7 +159,7 @@ def curve(
         sagitta = np.linalg.norm(position(middle) - (p[:-1] + p[1:]) / 2, axis=1)
         coarse = sagitta > chord
         if not coarse.any():
-            axes = np.broadcast_to(axis(t) if callable(axis) else np.asarray(axis), p.shape)
+            axes = axis(t) if callable(axis) else axis
             return way_points(p, axes, feed=feed, name=name)
         t = np.sort(np.concatenate([t, middle[coarse]]))
     raise InputError(
@@ -187,7 +191,7 @@ def spline(
             f"spline: point {int(np.argmax(np.diff(s) <= 0)) + 2} repeats the one before"
         )
     s /= s[-1]
-    axes = np.broadcast_to(np.asarray(axis, dtype=float), p.shape)
+    axes = _each("spline: axis", axis, (3,), len(p))
     position = CubicSpline(s, p)
     direction = CubicSpline(s, axes)
     return curve(
@@ -230,6 +234,27 @@ def raster(
     passes = []
     for number, y in enumerate(np.linspace(-width / 2, width / 2, lines)):
         x = x_line if number % 2 == 0 else x_line[::-1]
-        z = np.zeros(points) if height is None else height(x, np.full(points, y))
-        passes.append(np.stack([x, np.full(points, y), z], axis=1))
-    return way_points(np.vstack(passes) + np.asarray(centre), feed=feed, name="raster")
+        z = 0.0 if height is None else height(x, np.full(points, y))
+        lift = _each("raster: height(x, y)", z, (), points)
+        passes.append(np.stack([x, np.full(points, y), lift], axis=1))
+    middle = finite("raster: centre", centre, (3,), "m")
+    return way_points(np.vstack(passes) + middle, feed=feed, name="raster")
+
+
+def _each(what: str, value: ArrayLike, one: tuple[int, ...], n: int) -> Array:
+    """One value for all of n points, or one for each, shape (n, *one).
+
+    Args:
+        what: the value is, for messages.
+        value: as given.
+        one: shape of a value.
+        n: points.
+
+    Raises:
+        InputError: another shape, or no numbers.
+    """
+    array = numbers(what, value)
+    if array.shape not in {one, (n, *one)}:
+        expected = f"{one or 'one number'} or {(n, *one)}"
+        raise InputError(f"{what} has shape {array.shape}, expected {expected}")
+    return np.broadcast_to(array, (n, *one))
