@@ -202,6 +202,9 @@ class Cell(Table):
         ):
             twice = sorted({name for name in names if names.count(name) > 1})
             problems += [f"two {what} are called {name!r}" for name in twice]
+        numbers = [tool.number for tool in self.tools if tool.number is not None]
+        again = sorted({number for number in numbers if numbers.count(number) > 1})
+        problems += [f"two tools have the number {number}" for number in again]
         placed = [thing.name for thing in self.things if thing.frame == "work_object"]
         if placed and self.work_object is None:
             problems.append(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -10,11 +11,13 @@ import pytest
 from typer.testing import CliRunner
 
 from irb2400_ctrl import load_robot, save_robot
-from irb2400_ctrl.cell import Cell, Scene, load_cell, with_tool
+from irb2400_ctrl.cell import Cell, Rail, Scene, load_cell, with_tool
 from irb2400_ctrl.cell.piece import cell_pieces
 from irb2400_ctrl.cli.main import app
+from irb2400_ctrl.cli.planning.placing import doubts
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.model import Model
+from irb2400_ctrl.planners import read_program
 from irb2400_ctrl.robot.shape import place_and_turn, pose
 
 pytest.importorskip("coal")
@@ -22,6 +25,7 @@ EXAMPLE = Path(__file__).parents[2] / "examples" / "cell"
 CELL_FILE = EXAMPLE / "cell.toml"
 THING = '[[things]]\nname = "box"\nrole = "table"\nshapes = [{shape}]\n'
 BOX = '{ kind = "box", centre_mm = [0, 0, 0], size_mm = [1, 1, 1] }'
+TOOL = '[[tools]]\nname = "NAME"\nnumber = 1\nshapes = [' + BOX + "]\n"
 
 
 def cell(tmp_path: Path, text: str) -> Cell:
@@ -79,6 +83,10 @@ def test_frames_turn_about_fixed_axes(tmp_path: Path) -> None:
         ),
         ('name = "a"\n' + 2 * THING.format(shape=BOX), "two things are called 'box'"),
         (
+            'name = "a"\n' + TOOL.replace("NAME", "b") + TOOL.replace("NAME", "c"),
+            "two tools have the number 1",
+        ),
+        (
             'name = "a"\n' + THING.format(shape=BOX).replace("role", 'frame="work_object"\nrole'),
             r"box stands in the frame of the work object, but there is no \[work_object\]",
         ),
@@ -109,6 +117,21 @@ def test_shapes_that_are_wrong_are_not_missing_as_well(tmp_path: Path) -> None:
     with pytest.raises(InputError) as error:
         cell(tmp_path, 'name = "a"\n' + THING.format(shape='{ kind = "mehs" }'))
     assert "at least 1 item" not in str(error.value)
+
+
+@pytest.mark.parametrize(
+    ("name", "asked"), [("PROFILE", False), ("Profile", True), ("PROFLIE", True), ("OTHER", False)]
+)
+def test_an_operation_of_a_rail_that_is_misspelt_is_asked_about(name: str, asked: bool) -> None:
+    """The arm stayed where it works on all others, and nothing told."""
+    rail = Rail(direction=(0, 1, 0), range_mm=(0, 3000), operations={name: 2800.0})
+    standing = load_cell(CELL_FILE).model_copy(update={"rail": rail})
+    program = read_program(EXAMPLE / "part.cls")
+    called = replace(program.operations[0], name="PROFILE")
+    options = {"cell": standing, "work_frame": None}
+    found = doubts(load_robot("irb2400"), replace(program, operations=(called,)), options)
+    told = f"[rail] has a place for the operation {name}, the program has PROFILE"
+    assert any(question.startswith(told) for question in found) == asked
 
 
 def test_missing_files_are_said(tmp_path: Path) -> None:

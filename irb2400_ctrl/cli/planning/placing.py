@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import difflib
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
@@ -46,7 +47,8 @@ def placed(
 
 
 def doubts(arm: Robot, program: CamProgram, options: dict[str, Any]) -> list[str]:
-    """What to ask of the place of a part: a spindle below it, a path beside it, a mesh with gaps.
+    """What to ask of the place of a part: a spindle below it, a path beside it, a mesh with gaps, a
+    misspelt operation.
 
     Args:
         arm: whose gravity says what is below.
@@ -66,8 +68,25 @@ def doubts(arm: Robot, program: CamProgram, options: dict[str, Any]) -> list[str
         None if turns else from_below(arm, program, frame),
         beside_part(program, pieces, frame),
         open_meshes(pieces),
+        None if cell is None else _misspelt(program, cell),
     ]
     return [question for question in found if question is not None]
+
+
+def _misspelt(program: CamProgram, cell: Cell) -> str | None:
+    """What to ask of an operation that a rail or a positioner has a place for, and that the program
+    calls otherwise; one that is not like any of the program may be another program's."""
+    names = {operation.name.casefold(): operation.name for operation in program.operations}
+    known = {*names.values(), *(str(operation.number) for operation in program.operations)}
+    for what, axes in (("rail", cell.rail), ("positioner", cell.positioner)):
+        for name in [] if axes is None else axes.operations:
+            near = difflib.get_close_matches(name.casefold(), names, n=1, cutoff=0.8)
+            if near and name not in known and names[near[0]] not in axes.operations:
+                return (
+                    f"[{what}] has a place for the operation {name}, the program has "
+                    f"{names[near[0]]}, which stays at that of all others"
+                )
+    return None
 
 
 def _tilt_and_turn(text: str) -> tuple[float, float] | Literal["find", "move"]:
