@@ -19,7 +19,7 @@ from pathlib import Path
 
 import numpy as np
 
-from benchmarks.real_robots import CASES, Case
+from benchmarks.real_robots import CASES, VARIANTS, Case
 from irb2400_ctrl.diagnosis.preparation.metrics import errors
 from irb2400_ctrl.identification import Identification, identify
 from irb2400_ctrl.identification.fitting.columns import ColumnLayout, columns
@@ -80,11 +80,11 @@ def main() -> None:
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("measured", type=Path)
-    parser.add_argument("names", nargs="*", default=list(CASES))
+    parser.add_argument("names", nargs="*", default=list(CASES), help="also ur10_cb3")
     parser.add_argument("--swapped", action="store_true")
     args = parser.parse_args()
     for name in args.names:
-        case = CASES[name](args.measured)
+        case = {**CASES, **VARIANTS}[name](args.measured)
         if args.swapped:
             case = swapped(case)
         start = time.process_time()

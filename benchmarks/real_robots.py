@@ -9,7 +9,7 @@ import json
 import sqlite3
 import struct
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -17,6 +17,7 @@ import numpy as np
 from irb2400_ctrl.measurement import Log, read_log
 from irb2400_ctrl.robot import Robot
 from irb2400_ctrl.robot.importing.chain_robot import DRAWN
+from irb2400_ctrl.robot.link import Transform
 
 UNKNOWN = "assumption: not known, wide"
 
@@ -225,6 +226,27 @@ def ur10(folder: Path) -> Case:
     return Case("ur10", robot, [part_of(log, 0, 0.5)], [part_of(log, 0.5, 1.01)])
 
 
+CB3_LENGTHS = {
+    0: (0.0, 0.0, 0.1273),
+    2: (-0.612, 0.0, 0.0),
+    3: (-0.5723, 0.0, 0.163941),
+    4: (0.0, -0.1157, 0.0),
+    5: (0.0, 0.0922, 0.0),
+}
+"""[m] where the joints of a UR10 (CB3) sit in the link before, as its maker states"""
+
+
+def ur10_cb3(folder: Path) -> Case:
+    """The same with the arm's own lengths, bodies still of its sister."""
+    case = ur10(folder)
+    links = list(case.robot.links)
+    for place, lengths in CB3_LENGTHS.items():
+        X = np.array(links[place].frame.transform)
+        X[:3, 3] = lengths
+        links[place] = links[place].model_copy(update={"frame": Transform(transform=X.tolist())})
+    return replace(case, robot=case.robot.model_copy(update={"links": tuple(links)}))
+
+
 def panda(folder: Path) -> Case:
     """First half validated by the second; masses of Gaz et al. 2019, the rest guessed."""
     h = np.pi / 2
@@ -268,3 +290,5 @@ CASES: dict[str, Callable[[Path], Case]] = {
     "panda": panda,
     "lwa4p": lwa4p,
 }
+VARIANTS: dict[str, Callable[[Path], Case]] = {"ur10_cb3": ur10_cb3}
+"""of the same recordings, with something of the robot's file set right"""
