@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from benchmarks.naming.givers import Said, diagnosis
-from irb2400_ctrl.diagnosis.comparison import acceptance, criteria, selection
+from irb2400_ctrl.diagnosis.comparison import acceptance, criteria, ground, selection
 from irb2400_ctrl.diagnosis.comparison.at_load_changes import AtLoadChanges
 from irb2400_ctrl.diagnosis.comparison.at_reversals import AtReversals
 from irb2400_ctrl.diagnosis.comparison.comparison import Comparison
@@ -24,13 +24,14 @@ from irb2400_ctrl.robot import Robot
 Put = tuple[Any, str, Callable[..., Any]]
 THRESHOLD = criteria.Threshold
 SELECTION = selection.Selection
+GROUND = ground.Ground
 ACCEPTANCE = acceptance.Acceptance
 RULES: dict[str, tuple[Put, ...]] = {
     "wider": ((SELECTION, "_rather_wider", lambda *_: None),),
     "borne_out_again": ((SELECTION, "_borne_out", lambda _, steps, fit: (steps, fit)),),
     "weighty": ((SELECTION, "_weighty", lambda _, steps, fit: (steps, fit)),),
     "doubted": ((SELECTION, "_doubted", lambda *_: False),),
-    "lags_on_a_spring": ((SELECTION, "_lags_on_a_spring", lambda *_: False),),
+    "lags_on_a_spring": ((GROUND, "lags_on_a_spring", lambda *_: False),),
     "first_of_two": ((SELECTION, "_first_of_two", lambda _, ground, law, every: law),),
     "shows_moving": ((THRESHOLD, "_shows_moving", lambda *_: True),),
     "said_by_less": ((THRESHOLD, "said_by_less", lambda *_: False),),

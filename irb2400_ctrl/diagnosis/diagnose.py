@@ -14,7 +14,7 @@ from irb2400_ctrl.diagnosis.bent_numbers import BENT, beside_noise
 from irb2400_ctrl.diagnosis.comparison.acceptance import INFLATION
 from irb2400_ctrl.diagnosis.comparison.criteria import Criteria
 from irb2400_ctrl.diagnosis.comparison.scan import Scan
-from irb2400_ctrl.diagnosis.comparison.selection import UNSETTLED, Selection
+from irb2400_ctrl.diagnosis.comparison.selection import Selection
 from irb2400_ctrl.diagnosis.comparison.step import Step, of_the_whole_arm
 from irb2400_ctrl.diagnosis.diagnosis import Comparison, Diagnosis
 from irb2400_ctrl.diagnosis.estimation.fit import Fit, Fitter
@@ -159,10 +159,14 @@ def _searched(
     if bent:
         numbers = tuple(one for one in numbers if one.list == "lacks")
         weak = (*weak, BENT)
-    if selection.unsettled:
-        weak = (*weak, UNSETTLED)
     return replace(
-        found, numbers=numbers, weak=weak, logs=each, left_out=logs.left_out, noise=noise
+        found,
+        numbers=numbers,
+        weak=(*weak, *selection.remarks),
+        logs=each,
+        left_out=logs.left_out,
+        noise=noise,
+        nameless=selection.nameless,
     )
 
 

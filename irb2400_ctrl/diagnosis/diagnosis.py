@@ -206,6 +206,7 @@ class Diagnosis(Displayed):
         usual_error: RMSE of its model on stretches it had not seen [Nm], (n,).
         noise: what is left, held against what neighbouring samples disagree about; None where no
             effect was tried.
+        nameless: joint (from 1) with so much that no name says that lesser names were taken back.
     """
 
     given: Robot
@@ -226,6 +227,7 @@ class Diagnosis(Displayed):
     before: Diagnosis | None = None
     usual_error: Array | None = None
     noise: NoiseTest | None = None
+    nameless: int | None = None
 
     @property
     def verdict(self) -> Verdict:
@@ -235,7 +237,7 @@ class Diagnosis(Displayed):
         """
         if self.log_problem is not None:
             return "log_not_understood"
-        if self.unexplained or (self.findings and self.left_over):
+        if self.unexplained or self.nameless or (self.findings and self.left_over):
             return "unexplained"
         if self.findings:
             return "explained"

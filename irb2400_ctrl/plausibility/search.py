@@ -60,6 +60,8 @@ POSSIBLE = 1.2
 """of the speed limit at most, for which the clock as labelled is right"""
 RESTS = 1e-3
 """[rad] of travel as labelled below which a joint rests, whatever the unit"""
+BEYOND = 2.0
+"""times its range that a joint may go through as it is read"""
 DELAYS = (-1.0, -0.5, -0.3, -0.2, -0.1, 0.1, 0.2, 0.3, 0.5, 1.0)
 """[s] shifts of the torques against the motion that are tried"""
 
@@ -274,11 +276,16 @@ class _Search:
             )
 
     def _shows(self, reading: Reading) -> bool:
-        """Whether the log can say how the angle of a single joint is to be read: not of one that
-        rests."""
+        """Whether the log can say that the angles are to be read so: not the one of a single joint
+        that rests, nor such that a joint leaves its range by far which it keeps as labelled."""
+        travel = np.ptp(self._log.q, axis=0)
+        room = self._nominal.robot.q_max - self._nominal.robot.q_min
+        read = np.ptp(self._log.q @ reading.angles.T, axis=0)
+        if ((read > BEYOND * room) & (travel <= room)).any():
+            return False
         if len(reading.joints) != 1 or reading.keeps_motion:
             return True
-        return bool(np.ptp(self._log.q[:, reading.joints[0] - 1]) > RESTS)
+        return bool(travel[reading.joints[0] - 1] > RESTS)
 
     def columns_of(self, reading: Reading, rows: Rows) -> tuple[Array, Array]:
         """As of `Nominal.columns`; what was asked last is kept."""

@@ -76,6 +76,9 @@ def test_much_more_than_noise_left_on_a_joint_is_not_explained() -> None:
     fast = replace(left, noise_floor=much)
     assert fast.left_over == (3,)
     assert replace(fast, noise=None).left_over == ()
+    # nor is what no name says, for which lesser names were taken back
+    assert found.verdict == "explained"
+    assert replace(found, nameless=2).verdict == "unexplained"
 
 
 def test_more_than_noise_beside_a_name_is_said() -> None:

@@ -93,6 +93,7 @@ def next_of(name: Any, laws: Any, refused: Any) -> str:
         comparison=comparison,
         alternatives=lambda refused: every,
         accepts=lambda one: True,
+        lags_on_a_spring=lambda one, every: False,
         ranked=[*(law for law, _ in laws), name],
     )
     threshold = SimpleNamespace(
@@ -134,19 +135,21 @@ def test_a_name_of_the_whole_arm_is_held_against_the_laws_of_all_joints() -> Non
 
 
 @pytest.mark.parametrize(
-    ("rest", "said"),
+    ("rest", "said", "nameless"),
     [
         # a tool that sloshes says 148 nats on joint 3 that no name says: less than half of it is
         # no delay of joint 6
-        ((3, 148.0), ["large", "flexible"]),
-        ((3, 59.0), ["large", "small", "flexible"]),
+        ((3, 148.0), ["large", "flexible"], 3),
+        ((3, 59.0), ["large", "small", "flexible"], None),
         # of a joint with a larger name it is what that has left, and of the whole arm a share
-        ((1, 148.0), ["large", "small", "flexible"]),
-        ((None, 148.0), ["large", "flexible"]),
+        ((1, 148.0), ["large", "small", "flexible"], None),
+        ((None, 148.0), ["large", "flexible"], 5),
+        # what a flexible law says already is told by it
+        ((2, 148.0), ["large", "flexible"], None),
     ],
 )
 def test_where_much_is_not_understood_a_little_shows_nothing(
-    rest: tuple[int | None, float], said: list[str]
+    rest: tuple[int | None, float], said: list[str], nameless: int | None
 ) -> None:
     joint, gain = rest
     seen: list[Any] = []
@@ -165,6 +168,7 @@ def test_where_much_is_not_understood_a_little_shows_nothing(
         threshold=SimpleNamespace(
             left_by=lambda c, joint: 0.0,
             least_gain=lambda c, one: needed[one.candidate.kind],
+            most_on=lambda candidate: candidate.joint or 5,
         ),
     )
     steps = [
@@ -177,6 +181,10 @@ def test_where_much_is_not_understood_a_little_shows_nothing(
     )
     assert [s.candidate.kind for s in kept] == said
     assert fit.of == said
+    assert selection.nameless == nameless
+    remarks = Selection.remarks.fget(selection)  # type: ignore[attr-defined]
+    assert [f"joint {nameless}: something there" in one for one in remarks] == [True] * len(remarks)
+    assert len(remarks) == (nameless is not None)
     # what unseen rows did not bear out is there all the same
     assert seen == [()]
     # nor does what itself would not count

@@ -21,8 +21,6 @@ from irb2400_ctrl.measurement import Log
     [
         # four kilograms beside play of axis 2: on the other joints that leaves little
         ("pairs", 3, 20261124),
-        # a hysteresis of axis 4 beside a cable of axis 6
-        pytest.param("three", 6, 20261124, marks=pytest.mark.slow),
         # grease of axis 5 beside a coupling of axis 5: more than another shape of that leaves, and
         # its two rates end beyond the record
         pytest.param("three", 3, 20261123, marks=pytest.mark.slow),

@@ -21,6 +21,7 @@ def bare(**given: Any) -> Any:
         "criteria": Criteria(),
         "refused": set(),
         "looks": 0,
+        "nameless": None,
         "_weighty": lambda steps, fit: (steps, fit),
         "_beside": beside,
         "scan": SimpleNamespace(motion=SimpleNamespace(n=3)),
@@ -32,7 +33,11 @@ def bare(**given: Any) -> Any:
 
 def beside(chosen: Any, on: Any = None) -> Any:
     """The ground beside what is chosen, of which a test gives the rest."""
-    return SimpleNamespace(comparison=SimpleNamespace(chosen=chosen), on=on)
+    return SimpleNamespace(
+        comparison=SimpleNamespace(chosen=chosen),
+        on=on,
+        lags_on_a_spring=lambda one, every: False,
+    )
 
 
 def explanation(kind: str, joint: int | None = 1, known: bool = True, **given: Any) -> Any:

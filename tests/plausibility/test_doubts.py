@@ -99,7 +99,26 @@ def test_nothing_is_said_of_the_angle_of_a_joint_that_rests() -> None:
     # what holds it says how its torque is to be read
     assert all(search._shows(one) for one in torque_readings(ROBOT))
     whole = _Search(Nominal(ROBOT), LOG, rows)
-    assert all(whole._shows(one) for one in of_one)
+    gone = [one for one in of_one if not whole._shows(one)]
+    assert {one.kind for one in gone} <= {"angle_unit"}
+
+
+def test_an_angle_is_not_read_so_that_its_joint_leaves_its_range() -> None:
+    """A wrist of small loads that turned 95 deg was "radians under the name of degrees": 5,440 deg
+    of a joint of 720."""
+    rows = rows_of(LOG)
+    assert rows is not None
+    readings = [one for one in motion_readings(ROBOT) if one.kind == "angle_unit"]
+    larger = [one for one in readings if one.fits["factor"] > 1.0]
+    smaller = [one for one in readings if one.fits["factor"] < 1.0]
+    assert len(larger) == len(smaller) == 7
+    search = _Search(Nominal(ROBOT), LOG, rows)
+    assert not any(map(search._shows, larger))
+    assert all(map(search._shows, smaller))
+    # degrees that the file calls radians, and radians that it calls degrees
+    for factor, there in ((57.3, smaller), (1 / 57.3, larger)):
+        read_so = _Search(Nominal(ROBOT), replace(LOG, q=factor * LOG.q, q_ref=None), rows)
+        assert all(map(read_so._shows, there))
 
 
 def test_a_packet_that_came_late_is_no_jump() -> None:

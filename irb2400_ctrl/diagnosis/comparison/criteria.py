@@ -133,6 +133,10 @@ class Threshold:
         """Rms torque on each joint, shape (n,) [Nm]."""
         return np.asarray(np.sqrt(np.mean(candidate.torque(self.n) ** 2, axis=0)))
 
+    def most_on(self, candidate: Candidate) -> int:
+        """The joint (from 1) of whose torque it is the largest share."""
+        return int(np.argmax(self._size(candidate) / np.maximum(self.rms, 1e-12))) + 1
+
     def _shows_moving(self, comparison: Comparison, alternative: Alternative) -> bool:
         """Whether rows away from reversals show it too, where they must, and as large: a misfit of
         friction, which turns over at reversals, has another size there or none."""

@@ -76,6 +76,30 @@ class Ground:
         short += [c for c in self._part_of_the_time(joints) if not _is_refused(c, refused)]
         return sorted(map(self._told, short), key=lambda one: -one.evidence)
 
+    def lags_on_a_spring(self, late: Alternative, every: Sequence[Alternative]) -> bool:
+        """Whether an angle that seems late is a link behind a soft transmission, or one with play:
+        one is there, or counts, beside the lateness too, which has no swing.
+
+        Args:
+            late: in question.
+            every: alternatives.
+        """
+        if not any(e.angle_error[1] for e in late.candidate.effects):
+            return False
+
+        def behind(one: Candidate) -> bool:
+            return one.joint == late.candidate.joint and bool(one.devices)
+
+        comparison = self.comparison
+        if any(map(behind, comparison.chosen)):
+            return True
+        least = self.threshold.criteria.gain
+        rivals = [a for a in every if behind(a.candidate) and comparison.gain(a) > least]
+        if not rivals:
+            return False
+        lateness = late.candidate.torque(comparison.n)[:, :, None]
+        return any(comparison.gain_beside(a.candidate, lateness) > least for a in rivals)
+
 
 def named(candidate: Candidate) -> Name:
     """What a candidate is called; flexible laws of one joint are one."""

@@ -26,6 +26,10 @@ UNSETTLED = (
     "the search for names ended before it settled: they come and go with each other, as where "
     "something acts on the whole arm that no name fits; take what is said for a suspicion"
 )
+NAMELESS = (
+    "joint {joint}: something there says more than twice what a name said that was found, and has "
+    "none; the name was taken back"
+)
 DOUBTS = 2
 """refused flexible laws of a joint that its effects are held against"""
 
@@ -39,6 +43,8 @@ class Selection:
         self.criteria = Criteria() if criteria is None else criteria
         self.refused: set[Name] = set()
         self.looks = 0
+        self.nameless: int | None = None
+        """joint (from 1) with much that no name says, for which lesser names were taken back"""
         self.acceptance = Acceptance(fitter, self.criteria)
         motion = scan.motion
         predicted = predicted_torque(fitter.robot, motion, fitter.bases)
@@ -118,6 +124,13 @@ class Selection:
         """Whether it has looked as often as it may."""
         return self.looks >= self.criteria.most_looks
 
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """Why what it says is weaker than usual, in words."""
+        said = [UNSETTLED] if self.unsettled else []
+        said += [NAMELESS.format(joint=self.nameless)] if self.nameless else []
+        return tuple(said)
+
     def _refused(self) -> int:
         """Number of names that were refused; the flexible laws of a joint, of which there is one,
         do not keep a name from its turn."""
@@ -159,13 +172,17 @@ class Selection:
         ground = self._beside([s.candidate for s in steps])
         comparison = ground.comparison
         most = 0.0
+        where: int | None = None
         # what unseen rows did not bear out is there all the same
         for rest in ground.alternatives():
             left = comparison.gain(rest)
             joint = rest.candidate.joint
             beside = [s.gain for s in steps if s.candidate.joint == joint]
             if left > max(self.threshold.least_gain(comparison, rest), *beside, 0.0):
-                most = max(most, left - self.threshold.left_by(comparison, joint))
+                left -= self.threshold.left_by(comparison, joint)
+                if left > most:
+                    most = left
+                    where = self.threshold.most_on(rest.candidate)
         kept = [
             s
             for s in steps
@@ -173,6 +190,8 @@ class Selection:
         ]
         if len(kept) < len(steps):
             fit = self.fitter.fit([s.candidate for s in kept])
+            told = {s.candidate.joint for s in kept if not s.candidate.known}
+            self.nameless = None if where in told else where
         return kept, fit
 
     def _clear(self, steps: list[Step], place: int) -> tuple[list[Step], Fit]:
@@ -219,7 +238,7 @@ class Selection:
             for alternative in every
             if ground.accepts(alternative)
             and not self.threshold.said_by_less(ground.comparison, alternative, every)
-            and not self._lags_on_a_spring(ground, alternative.candidate, every)
+            and not ground.lags_on_a_spring(alternative, every)
         ]
         if not alternatives:
             return None, []
@@ -227,24 +246,6 @@ class Selection:
         if not best.candidate.known and not alone:
             best = self._first_of_two(ground, best, every)
         return best, alternatives
-
-    def _lags_on_a_spring(
-        self, ground: Ground, candidate: Candidate, every: Sequence[Alternative]
-    ) -> bool:
-        """Whether an angle that seems late is a link behind a soft transmission, or one with play,
-        that is there or counts as well.
-
-        Args:
-            ground: beside what is chosen.
-            candidate: in question.
-            every: alternatives.
-        """
-        if not any(e.angle_error[1] for e in candidate.effects):
-            return False
-        gain = ground.comparison.gain
-        counting = [a.candidate for a in every if gain(a) > self.criteria.gain]
-        rivals = [*ground.comparison.chosen, *counting]
-        return any(r.joint == candidate.joint and r.devices for r in rivals)
 
     def _doubted(self, ground: Ground, best: Alternative) -> bool:
         """Whether non-parametric laws of the joint of an effect, one on each joint of one of the
