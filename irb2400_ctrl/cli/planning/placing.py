@@ -79,7 +79,9 @@ def _misspelt(program: CamProgram, cell: Cell) -> str | None:
     names = {operation.name.casefold(): operation.name for operation in program.operations}
     known = {*names.values(), *(str(operation.number) for operation in program.operations)}
     for what, axes in (("rail", cell.rail), ("positioner", cell.positioner)):
-        for name in [] if axes is None else axes.operations:
+        if axes is None:
+            continue
+        for name in axes.operations:
             near = difflib.get_close_matches(name.casefold(), names, n=1, cutoff=0.8)
             if near and name not in known and names[near[0]] not in axes.operations:
                 return (
