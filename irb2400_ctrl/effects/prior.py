@@ -47,6 +47,7 @@ class Prior:
             what its law may leave; empty: what it leaves may look like anything.
         in_place_of_friction: fields, the last of the coefficients, that take the place of dry
             friction which the file states: zero and no part of the law where it states none.
+        absent: fields that are no part of the law where they are zero: a simpler form of it.
         lasting: how many columns of its discrepancy, the first, say something about another motion
             or load; None: all. The others stand beside the law while one log is explained.
     """
@@ -60,6 +61,7 @@ class Prior:
     discrepancy_share: float = 0.22
     leftover: tuple[str, ...] = ()
     in_place_of_friction: tuple[str, ...] = ()
+    absent: tuple[str, ...] = ()
     lasting: int | None = None
 
     def kept(self, columns: int) -> int:

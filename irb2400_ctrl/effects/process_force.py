@@ -1,4 +1,4 @@
-"""Force of the process (milling, contact, a pulling hose) at the tool centre point."""
+"""Force of the process (milling, contact, a pulling hose) at the tool."""
 
 from __future__ import annotations
 
@@ -8,15 +8,17 @@ from dataclasses import replace
 from typing import Any, ClassVar, Literal, Self
 
 import casadi as ca
+import numpy as np
 from pydantic import Field
 
 from irb2400_ctrl.effects.ambiguity import TOOL, Ambiguity
 from irb2400_ctrl.effects.base import Effect
 from irb2400_ctrl.effects.drawing import Drawing
-from irb2400_ctrl.effects.prior import Prior
+from irb2400_ctrl.effects.prior import Nested, Prior
 from irb2400_ctrl.effects.search import Search
 from irb2400_ctrl.effects.signals import Signals
 
+MOMENT = ("moment_x_Nm", "moment_y_Nm", "moment_z_Nm")
 FEW = 3
 """pushes, from which on they may be a load that swings"""
 SHORT = 1.0
@@ -26,13 +28,14 @@ UNLIKE = 2.0
 
 
 class ProcessForce(Effect):
-    """tau = -J_v(q)^T F while start_s <= t < stop_s; F acts on the tool, constant along the axes of
-    the base, or of the tool: F = R_BT(q) F_T."""
+    """tau = -J_v(q)^T F - J_w(q)^T M while start_s <= t < stop_s; F acts on the tool, constant
+    along the axes of the base, or of the tool (F = R_BT(q) F_T), and so does M, which is c x F
+    where F acts at c beside the tool centre point."""
 
     sentence: ClassVar[str] = "something pushes or pulls at the tool"
     example: ClassVar[Mapping[str, Any]] = {"force_x_N": 30.0, "force_y_N": 20.0, "force_z_N": 40.0}
     ambiguity: ClassVar[Ambiguity] = replace(TOOL, time_matters=True)
-    prior: ClassVar[Prior] = Prior(fixed=("start_s", "stop_s"))
+    prior: ClassVar[Prior] = Prior(fixed=("start_s", "stop_s"), absent=MOMENT)
     search: ClassVar[Search] = Search(comes_and_goes=True)
     drawing: ClassVar[Drawing] = Drawing("time")
     whole_arm: ClassVar[bool] = True
@@ -41,6 +44,9 @@ class ProcessForce(Effect):
     force_x_N: float = Field(default=0.0, description="force on the tool along x [N]")
     force_y_N: float = Field(default=0.0, description="force on the tool along y [N]")
     force_z_N: float = Field(default=0.0, description="force on the tool along z [N]")
+    moment_x_Nm: float = Field(default=0.0, description="moment on the tool about x [Nm]")
+    moment_y_Nm: float = Field(default=0.0, description="moment on the tool about y [Nm]")
+    moment_z_Nm: float = Field(default=0.0, description="moment on the tool about z [Nm]")
     in_tool_frame: bool = Field(
         default=False, description="whether x, y, z are the axes of the tool, not of the base [-]"
     )
@@ -51,7 +57,13 @@ class ProcessForce(Effect):
         active = ca.logic_and(s.time >= self.start_s, s.time < self.stop_s)
         turned = self.in_tool_frame * s.tool_axes
         held = (1 - self.in_tool_frame) * ca.SX.eye(3)
-        return -active * s.tcp_jacobian[:3, :].T @ (turned + held)
+        axes = turned + held
+        return -active * s.tcp_jacobian.T @ ca.diagcat(axes, axes)
+
+    @classmethod
+    def nested(cls, mass: float, reach: float) -> Sequence[Nested]:
+        # at the tool centre point, or anywhere
+        return [Nested(np.eye(6)[:, :k], ()) for k in (3, 6)]
 
     @classmethod
     def grid(cls, joint: int | None) -> list[dict[str, float]]:
@@ -76,7 +88,8 @@ class ProcessForce(Effect):
         )
 
     def coefficients(self) -> tuple[float, ...]:
-        return (self.force_x_N, self.force_y_N, self.force_z_N)
+        force = (self.force_x_N, self.force_y_N, self.force_z_N)
+        return (*force, self.moment_x_Nm, self.moment_y_Nm, self.moment_z_Nm)
 
     def sizes(self) -> tuple[float, ...]:
         return (math.hypot(self.force_x_N, self.force_y_N, self.force_z_N),)
@@ -85,5 +98,6 @@ class ProcessForce(Effect):
     def from_coefficients(
         cls, joint: int | None, coefficients: Sequence[float], nonlinear: dict[str, float]
     ) -> Self:
-        x, y, z = coefficients
-        return cls.of(joint, force_x_N=x, force_y_N=y, force_z_N=z, **nonlinear)
+        forces = dict(zip(("force_x_N", "force_y_N", "force_z_N"), coefficients, strict=False))
+        moments = dict(zip(MOMENT, coefficients[3:], strict=True))
+        return cls.of(joint, **forces, **moments, **nonlinear)

@@ -1,11 +1,11 @@
 """How well a robot's nominal model explains rows of a log, once all that may differ is let differ.
 
-    tau_j = tau_nominal_j + Y_j delta + Fc_j turn_j + Fv_j qd_j + o_j + e_j
+    tau_j = tau_nominal_j + Y_j delta + Fc_j turn_j + Fv_j qd_j + J_j qdd_j + o_j + e_j
 
 delta are inertial numbers off by what files are off by, and a payload that the arm may carry;
-friction is never negative. e_j has a fifth of the torque's own size, or what an identification of
-the arm has left: effects, drives and crude models are not to look like a wrong column. A reading of
-the log is judged by its evidence.
+friction and rotors are never negative. e_j has a fifth of the torque's own size, or what an
+identification of the arm has left: effects, drives and crude models are not to look like a wrong
+column. A reading of the log is judged by its evidence.
 """
 
 from __future__ import annotations
@@ -18,6 +18,7 @@ import numpy as np
 from scipy.optimize import lsq_linear
 
 from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.effects.rotor_inertia import RotorInertia
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.plausibility.rows import Rows
 from irb2400_ctrl.robot import Robot
@@ -34,6 +35,11 @@ FRICTION = 0.7
 """relative standard deviation of a file's friction"""
 UNKNOWN_FRICTION = 0.3
 """standard deviation over the torque's size where the file gives no friction"""
+ROTOR = 0.3
+"""relative standard deviation of a file's rotor inertia"""
+UNKNOWN_ROTOR = 0.15
+"""standard deviation over the torque's size where the file gives no rotor: of a quick wrist it is
+most of the torque, and no URDF has it"""
 OFFSET = 0.05
 """standard deviation of a constant offset over the torque's size"""
 MISFIT = 0.2
@@ -214,20 +220,22 @@ class Nominal:
         weight = weight * np.where(rows.still, held, 1.0) * ~rows.silent
         k = Y.shape[2]
         viscous = self.robot.friction[:, 2]
-        spread = self._friction_spreads(rows, size)
+        rotors = self.rotors
+        spread = self._drive_spreads(rows, size)
         y = (rows.tau - nominal - dry * rows.turn - viscous * rows.qd) * weight
-        known = k + 3 * n
+        known = k + 4 * n
         X = np.zeros((m, n, known + beside.shape[2]))
         X[:, :, :k] = Y * weight[:, :, None]
         X[:, :, known:] = beside * weight[:, :, None]
         joints = np.arange(n)
-        for part, signal in enumerate((rows.turn, rows.qd, np.ones_like(rows.qd))):
+        signals = (rows.turn, rows.qd, rows.qdd, np.ones_like(rows.qd))
+        for part, signal in enumerate(signals):
             X[:, joints, k + part * n + joints] = signal * spread[part] * weight
         X = X.reshape(m * n, -1)
         A = X.T @ X + np.eye(X.shape[1])
-        none_negative = np.concatenate([-dry / spread[0], -viscous / spread[1]])
+        none_negative = -np.concatenate([dry, viscous, rotors]) / spread[:3].ravel()
         least = np.concatenate(
-            [self.least, none_negative, np.full(X.shape[1] - k - 2 * n, -np.inf)]
+            [self.least, none_negative, np.full(X.shape[1] - k - 3 * n, -np.inf)]
         )
         z = _bounded(A, X.T @ y.ravel(), least)
         rest = (y.ravel() - X @ z).reshape(m, n)
@@ -256,16 +264,28 @@ class Nominal:
         ]
         return float(min(costs))
 
-    def _friction_spreads(self, rows: Rows, size: Array) -> Array:
-        """Standard deviations of Coulomb, viscous friction and offset, shape (3, n)."""
+    @cached_property
+    def rotors(self) -> Array:
+        """Rotor inertia that the file states, shape (n,) [kg m2]."""
+        found = np.zeros(self.robot.n)
+        for effect in self.robot.effects:
+            if isinstance(effect, RotorInertia):
+                found[effect.index] += effect.inertia_kgm2
+        return found
+
+    def _drive_spreads(self, rows: Rows, size: Array) -> Array:
+        """Standard deviations of Coulomb, viscous friction, rotor and offset, shape (4, n)."""
         dry = self.robot.friction[:, 1]
         viscous = self.robot.friction[:, 2]
+        rotors = self.rotors
         speed = np.sqrt(np.mean(rows.qd**2, axis=0)) + 1e-6
+        push = np.sqrt(np.mean(rows.qdd**2, axis=0)) + 1e-6
         unknown = UNKNOWN_FRICTION * size
         return np.vstack(
             [
                 np.where(dry > 0, FRICTION * dry, unknown),
                 np.where(viscous > 0, FRICTION * viscous, unknown / speed),
+                np.where(rotors > 0, ROTOR * rotors, UNKNOWN_ROTOR * size / push),
                 OFFSET * size,
             ]
         )

@@ -94,6 +94,9 @@ def _stated(robot: Robot) -> dict[str, Any]:
             del table["friction"]
     if not robot.uncertainty.links:
         del tables["uncertainty"]["links"]
+    if not robot.effects:
+        # an empty list keeps a `[[effects]]` that is written behind it from being read
+        del tables["effects"]
     return tables
 
 

@@ -17,7 +17,7 @@ from irb2400_ctrl.effects import LIBRARY
 from irb2400_ctrl.effects.base import OPEN_END_S
 from irb2400_ctrl.identification.reference_error import has_changed, simplest, worse_joints
 from irb2400_ctrl.report.elements.page import Page
-from irb2400_ctrl.report.pages.diagnosis_page import _add_findings
+from irb2400_ctrl.report.pages.diagnosis_page import VERDICTS, _add_findings, verdict_sentence
 from irb2400_ctrl.report.pages.diagnosis_tables import parameter_rows
 from irb2400_ctrl.report.pages.three_lists import findings_of, list_lines, number_lines, numbers_of
 
@@ -225,3 +225,15 @@ def test_the_next_motion_is_for_the_robot_that_was_given(robot: str, said: str) 
     page = Page("any")
     _add_findings(page, diagnosis(told), robot)
     assert said in html.unescape(page.html())
+
+
+def test_of_rotors_alone_nothing_special_is_told() -> None:
+    """Every sound arm whose file has no rotors was told that something is missing."""
+
+    def told(*findings: Finding) -> str:
+        about = {"change": False, "log_problem": None, "verdict": "explained"}
+        return verdict_sentence(cast(Any, SimpleNamespace(findings=findings, numbers=(), **about)))
+
+    rotor = finding("rotor_inertia", 2, 0.05)
+    assert told(rotor).startswith("The file leaves out what most files do")
+    assert told(rotor, finding("gear_ripple", 1, 0.1)) == VERDICTS["explained"]

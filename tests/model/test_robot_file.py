@@ -173,3 +173,14 @@ def test_a_discrepancy_of_another_length_is_refused() -> None:
         InputError, match="cable_spring has a discrepancy of 1 numbers, expected 2 or none"
     ):
         irb.load_robot("irb2400").with_effects(spring)
+
+
+def test_an_effect_can_be_written_behind_a_saved_robot(tmp_path: Path) -> None:
+    """`effects = []` kept a `[[effects]]` behind it from being read."""
+    path = irb.save_robot(
+        irb.load_robot("ur10e").model_copy(update={"effects": ()}), tmp_path / "arm.toml"
+    )
+    text = path.read_text()
+    effect = '[[effects]]\nkind = "rotor_inertia"\njoint = 2\ninertia_kgm2 = 1.5\n'
+    path.write_text(f"{text}\n{effect}")
+    assert [(e.kind, e.joint) for e in irb.load_robot(path).effects] == [("rotor_inertia", 2)]

@@ -3,6 +3,7 @@ agree."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -17,7 +18,7 @@ from irb2400_ctrl.diagnosis.estimation.fit import Fit, Fitter
 from irb2400_ctrl.diagnosis.estimation.held_out import HeldOut, Worth
 from irb2400_ctrl.diagnosis.regressors.bases import RegressorColumns
 from irb2400_ctrl.effects import Effect
-from irb2400_ctrl.effects.added_body import AddedBody
+from irb2400_ctrl.effects.added_body import REACH, AddedBody
 from irb2400_ctrl.robot import Robot
 
 OWN_SIZES = 0.1
@@ -71,8 +72,10 @@ def stands_clear(fit: Fit, place: int, duration: float, inflation: float = INFLA
 def usual(effect: Effect) -> bool:
     """Whether the numbers that a search has moved are such as the thing has: an order that left its
     (even) grid belongs to no ripple, grease that is warm after a second was not cold, a swing that
-    is over at once is no spring's."""
+    is over at once is no spring's, and no body sits further from its link than links are long."""
     if any(effect.nonlinear[name] > most for name, most in effect.prior.largest.items()):
+        return False
+    if isinstance(effect, AddedBody) and math.hypot(*effect.com_m) > REACH:
         return False
     for name in effect.prior.time_constants:
         if effect.nonlinear[name] < QUICKEST * min(

@@ -129,7 +129,7 @@ class LogColumns:
 
     def columns(self, point: Point) -> RegressorColumns:
         """Filtered columns of an effect."""
-        return self.member(point.kind, point.joint, point.nonlinear)[0]
+        return point.in_form(self.member(point.kind, point.joint, point.nonlinear)[0])
 
     def samples(self, point: Point, discrepancy: bool = False) -> RegressorColumns:
         """RegressorColumns of an effect sample by sample, not filtered."""
@@ -143,7 +143,8 @@ class LogColumns:
                 discrepancy=discrepancy,
                 filtered=False,
             )[0]
-        return self._samples[key]
+        found = self._samples[key]
+        return found if discrepancy else point.in_form(found)
 
     def forms(self, kind: str, law: RegressorColumns) -> Sequence[Nested]:
         """Forms in which a law is tried on this arm."""

@@ -98,7 +98,8 @@ class Windowing:
         # how an effect with memory began is told by its window
         extra = None if LIBRARY[law.kind].states else self._columns(law, windows, discrepancy=True)
         score = self.problem.score(columns, extra, LIBRARY[law.kind].prior.coefficients)
-        effect = plausible(law.kind, law.joint, score.coefficients, law.nonlinear)
+        numbers = law.coefficients(score.coefficients)
+        effect = plausible(law.kind, law.joint, numbers, law.nonlinear)
         if effect is None:
             return None
         edges = sum(edge < OPEN_END_S for window in windows for edge in window)

@@ -96,8 +96,13 @@ class Scan(LogColumns):
                 if windows
                 else always
             )
+            # what comes and goes is looked for in each of its forms
+            apart = LIBRARY[kind].search.comes_and_goes
+            forms = self.forms(kind, always[0]) if apart else (None,)
             found += [
-                Point(kind, at, grid[place]) for place in self._promising(problem, kind, at, laws)
+                Point(kind, at, grid[place], form)
+                for place in self._promising(problem, kind, at, laws)
+                for form in forms
             ]
         return found
 

@@ -13,6 +13,7 @@ from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.diagnosis.estimation.evidence import Score
 from irb2400_ctrl.diagnosis.regressors.bases import RegressorColumns
 from irb2400_ctrl.effects import LIBRARY, Effect
+from irb2400_ctrl.effects.prior import Nested
 
 EVERY_JOINT = "of every joint"
 """in the name of effects of one kind, one on each joint, with a size each"""
@@ -107,11 +108,23 @@ class Candidate:
 
 @dataclass(frozen=True)
 class Point:
-    """One effect of the library with its nonlinear parameters fixed."""
+    """One effect of the library with its nonlinear parameters fixed, in a simpler form or as it
+    is."""
 
     kind: str
     joint: int | None
     nonlinear: dict[str, float]
+    form: Nested | None = None
+
+    def in_form(self, law: RegressorColumns) -> RegressorColumns:
+        """Its columns, of those of its law."""
+        if self.form is None:
+            return law
+        return RegressorColumns(law.joints, law.values @ self.form.columns)
+
+    def coefficients(self, numbers: Array) -> Array:
+        """Those of its law, of the numbers of its form."""
+        return numbers if self.form is None else np.asarray(self.form.columns @ numbers)
 
     @property
     def device(self) -> str:

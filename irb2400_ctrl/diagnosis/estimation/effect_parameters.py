@@ -36,7 +36,7 @@ def parameters_of(effect: Effect, place: int) -> list[Parameter]:
         if isinstance(value, tuple | list):
             if name not in COMMON:
                 found += [Parameter(place, name, k, prior) for k in range(len(value))]
-        elif value == 0.0 and name in effect.prior.in_place_of_friction:
+        elif value == 0.0 and name in (*effect.prior.in_place_of_friction, *effect.prior.absent):
             continue
         elif isinstance(value, float) and name not in effect.prior.fixed:
             found.append(Parameter(place, name, None, prior))

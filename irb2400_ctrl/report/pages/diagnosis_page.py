@@ -43,6 +43,7 @@ VERDICTS = {
     "unexplained": "Something is left that no effect of the library makes.",
     "log_not_understood": "The log is not what its columns say: no effect was tried.",
 }
+LACKS_ONLY = "The file leaves out what most files do (rotors, offsets), and that has a name."
 GRADES: dict[str, Grade] = {
     "explained": "note",
     "nothing_missing": "good",
@@ -63,6 +64,9 @@ def verdict_sentence(diagnosis: Diagnosis) -> str:
     if off and not diagnosis.change:
         return "No law is missing, but inertial numbers of the file are off; what is left is noise."
     if not diagnosis.change or diagnosis.log_problem is not None:
+        special = [f for f in diagnosis.findings if f.list == "special"]
+        if diagnosis.verdict == "explained" and not special:
+            return LACKS_ONLY
         return VERDICTS[diagnosis.verdict]
     changed = [n for n in diagnosis.numbers if n.list == "changed"]
     if diagnosis.verdict == "nothing_missing" and changed:
