@@ -40,6 +40,8 @@ ROTOR = 0.3
 UNKNOWN_ROTOR = 0.15
 """standard deviation over the torque's size where the file gives no rotor: of a quick wrist it is
 most of the torque, and no URDF has it"""
+NO_ROTOR = 1e-9
+"""the same where it has none"""
 OFFSET = 0.05
 """standard deviation of a constant offset over the torque's size"""
 MISFIT = 0.2
@@ -99,14 +101,25 @@ class Account:
 class Nominal:
     """A robot's model as a yardstick for logs."""
 
-    def __init__(self, robot: Robot, model: Model | None = None) -> None:
-        """`model`: of the same arm with whatever friction, where there is one already."""
+    def __init__(self, robot: Robot, model: Model | None = None, rotors: bool = False) -> None:
+        """Nothing is worked out yet.
+
+        Args:
+            robot: as its file has it.
+            model: of the same arm with whatever friction, where there is one already.
+            rotors: whether joints may have some that the file does not state.
+        """
         self.robot = robot
         self.model = Model(robot) if model is None else model
+        self.free_rotors = rotors
 
     def with_unknown_friction(self, of: Collection[int]) -> Nominal:
         """The same of an arm of which nothing is known of the friction of these joints (from 1)."""
-        return Nominal(self.robot.with_unknown_friction(of), self.model)
+        return Nominal(self.robot.with_unknown_friction(of), self.model, self.free_rotors)
+
+    def with_unknown_rotors(self) -> Nominal:
+        """The same of an arm whose rotors nobody has stated."""
+        return Nominal(self.robot, self.model, rotors=True)
 
     @cached_property
     def reach(self) -> float:
@@ -281,11 +294,12 @@ class Nominal:
         speed = np.sqrt(np.mean(rows.qd**2, axis=0)) + 1e-6
         push = np.sqrt(np.mean(rows.qdd**2, axis=0)) + 1e-6
         unknown = UNKNOWN_FRICTION * size
+        inertia = (UNKNOWN_ROTOR if self.free_rotors else NO_ROTOR) * size / push
         return np.vstack(
             [
                 np.where(dry > 0, FRICTION * dry, unknown),
                 np.where(viscous > 0, FRICTION * viscous, unknown / speed),
-                np.where(rotors > 0, ROTOR * rotors, UNKNOWN_ROTOR * size / push),
+                np.where(rotors > 0, ROTOR * rotors, inertia),
                 OFFSET * size,
             ]
         )

@@ -60,6 +60,8 @@ POSSIBLE = 1.2
 """of the speed limit at most, for which the clock as labelled is right"""
 RESTS = 1e-3
 """[rad] of travel as labelled below which a joint rests, whatever the unit"""
+ASKED = 12.0
+"""twice the log evidence by which a log as labelled must ask for rotors that no file states"""
 BEYOND = 2.0
 """times its range that a joint may go through as it is read"""
 DELAYS = (-1.0, -0.5, -0.3, -0.2, -0.1, 0.1, 0.2, 0.3, 0.5, 1.0)
@@ -92,6 +94,10 @@ def understand(robot: Robot, log: Log) -> Understanding | None:
     if rows is None:
         return None
     nominal = Nominal(robot)
+    unstated = nominal.with_unknown_rotors()
+    # free where the log as labelled asks for them: with a rotor a sign, or a spring, is another's
+    if _as_labelled(unstated, rows).cost < _as_labelled(nominal, rows).cost - ASKED:
+        nominal = unstated
     found = _understood(nominal, log, rows)
     stated = robot.friction.any() and robot.identified is None
     if sound(found.labelled, robot.n) or not stated:
@@ -103,6 +109,10 @@ def understand(robot: Robot, log: Log) -> Understanding | None:
         return found
     off = _contradicted(nominal, log, rows, free)
     return replace(free, other_friction=off) if off else found
+
+
+def _as_labelled(nominal: Nominal, rows: Rows) -> Fit:
+    return nominal.explained(rows, nominal.columns(rows))
 
 
 def _contradicted(nominal: Nominal, log: Log, rows: Rows, free: Understanding) -> tuple[int, ...]:

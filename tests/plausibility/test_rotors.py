@@ -54,7 +54,7 @@ def test_a_rotor_that_the_file_states_is_known_to_a_third() -> None:
     rows = rows_of(other_arm_log(1).log)
     assert rows is not None
     size = np.full(6, 10.0)
-    spreads = nominal._drive_spreads(rows, size)
+    spreads = nominal.with_unknown_rotors()._drive_spreads(rows, size)
     assert spreads.shape == (4, 6)
     assert spreads[2, 1] == pytest.approx(1.8)
     push = np.sqrt(np.mean(rows.qdd**2, axis=0))
