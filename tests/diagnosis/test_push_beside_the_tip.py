@@ -9,7 +9,7 @@ import pytest
 from independent_plant import Case
 
 from irb2400_ctrl.diagnosis import diagnose
-from irb2400_ctrl.diagnosis.comparison.acceptance import usual
+from irb2400_ctrl.diagnosis.comparison.acceptance import within_reach
 from irb2400_ctrl.effects import LIBRARY
 from irb2400_ctrl.effects.process_force import ProcessForce
 from irb2400_ctrl.measurement import Log
@@ -79,5 +79,7 @@ def test_a_push_beside_the_tip_is_named_with_its_moment() -> None:
 def test_no_body_sits_further_from_its_link_than_links_are_long() -> None:
     """The flank of a push was a payload for 40 ms, two metres from the flange."""
     payload = LIBRARY["payload"]
-    assert usual(payload.of(None, mass_kg=1.8, com_m=(0.5, 0.5, 0.3)))
-    assert not usual(payload.of(None, mass_kg=1.8, com_m=(0.5, 0.5, 0.5)))
+    small = load_robot("ur10e")
+    for robot, far in ((small, 0.8), (ROBOT, 1.1)):
+        assert within_reach(robot, payload.of(None, mass_kg=1.8, com_m=(far - 0.05, 0.0, 0.0)))
+        assert not within_reach(robot, payload.of(None, mass_kg=1.8, com_m=(2.0, 0.0, 0.0)))

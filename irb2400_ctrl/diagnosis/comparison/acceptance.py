@@ -72,10 +72,8 @@ def stands_clear(fit: Fit, place: int, duration: float, inflation: float = INFLA
 def usual(effect: Effect) -> bool:
     """Whether the numbers that a search has moved are such as the thing has: an order that left its
     (even) grid belongs to no ripple, grease that is warm after a second was not cold, a swing that
-    is over at once is no spring's, and no body sits further from its link than links are long."""
+    is over at once is no spring's."""
     if any(effect.nonlinear[name] > most for name, most in effect.prior.largest.items()):
-        return False
-    if isinstance(effect, AddedBody) and math.hypot(*effect.com_m) > REACH:
         return False
     for name in effect.prior.time_constants:
         if effect.nonlinear[name] < QUICKEST * min(
@@ -89,6 +87,14 @@ def usual(effect: Effect) -> bool:
             if not min(tried) - half <= value <= max(tried) + half:
                 return False
     return True
+
+
+def within_reach(robot: Robot, effect: Effect) -> bool:
+    """Whether a body sits no further from its link than `REACH`, or half of all links together."""
+    if not isinstance(effect, AddedBody):
+        return True
+    lengths = [np.linalg.norm(link.frame.matrix()[:3, 3]) for link in robot.links]
+    return math.hypot(*effect.com_m) <= max(REACH, 0.5 * float(np.sum(lengths)))
 
 
 def can_be_taken_off(robot: Robot, effect: Effect) -> bool:
@@ -155,7 +161,10 @@ class Acceptance:
         chosen = [s.candidate for s in steps]
         candidate = chosen[place]
         fitted = [fit.effects[k] for k in effects_of(chosen, place)]
-        if not all(usual(e) and can_be_taken_off(self.fitter.robot, e) for e in fitted):
+        robot = self.fitter.robot
+        if not all(
+            usual(e) and can_be_taken_off(robot, e) and within_reach(robot, e) for e in fitted
+        ):
             return False
         if candidate.devices:
             # how a swing began is free, and its linear columns do not bear out its frequency
