@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import irb2400_ctrl as irb
+from irb2400_ctrl.effects.rotor_inertia import RotorInertia
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.identification.understood_logs import FAR_FROM_THE_FILE
 from irb2400_ctrl.plausibility import log_problem
@@ -47,16 +48,18 @@ def test_of_several_it_is_left_out(log: irb.Log) -> None:
 
 
 def test_bodies_far_off_are_what_is_identified() -> None:
-    """A file so wrong that its own arm looks like another robot."""
+    """A file so wrong, rotors too, that its own arm looks like another robot."""
     pytest.importorskip("pinocchio")
     from benchmarks.other_arms import drawn_case
 
     case = drawn_case(516)
     log = case.others[0]
-    problem = log_problem(case.robot, log)
+    rotors = [RotorInertia(joint=j, inertia_kgm2=1e-6) for j in range(1, case.robot.n + 1)]
+    robot = case.robot.with_effects(*rotors)
+    problem = log_problem(robot, log)
     assert problem is not None
     assert problem.kind == FAR_FROM_THE_FILE
-    found = irb.identify(case.robot, log)
+    found = irb.identify(robot, log)
     assert found.notes[0].endswith("the file's numbers are far off")
     assert (found.logs[0].error("unseen").rmse_over_mean_percent < 20).all()
 
