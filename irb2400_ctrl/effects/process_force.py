@@ -18,6 +18,7 @@ from irb2400_ctrl.effects.prior import Nested, Prior
 from irb2400_ctrl.effects.search import Search
 from irb2400_ctrl.effects.signals import Signals
 
+FORCE = ("force_x_N", "force_y_N", "force_z_N")
 MOMENT = ("moment_x_Nm", "moment_y_Nm", "moment_z_Nm")
 FEW = 3
 """pushes, from which on they may be a load that swings"""
@@ -98,6 +99,5 @@ class ProcessForce(Effect):
     def from_coefficients(
         cls, joint: int | None, coefficients: Sequence[float], nonlinear: dict[str, float]
     ) -> Self:
-        forces = dict(zip(("force_x_N", "force_y_N", "force_z_N"), coefficients, strict=False))
-        moments = dict(zip(MOMENT, coefficients[3:], strict=True))
-        return cls.of(joint, **forces, **moments, **nonlinear)
+        wrench = dict(zip((*FORCE, *MOMENT), coefficients, strict=True))
+        return cls.of(joint, **wrench, **nonlinear)

@@ -122,18 +122,11 @@ class Nominal:
         return Nominal(self.robot, self.model, rotors=True)
 
     @cached_property
-    def reach(self) -> float:
-        """Sum of the distances between neighbouring axes [m]."""
-        frames = [link.frame.matrix() for link in self.robot.links]
-        frames.append(self.robot.flange.matrix())
-        return float(sum(np.linalg.norm(frame[:3, 3]) for frame in frames[1:]))
-
-    @cached_property
     def spreads(self) -> Array:
         """Standard deviations of phi of all links, payload in the last, shape (10 n,)."""
         masses = [link.body.mass_kg for link in self.robot.links]
         tool = 0.0 if self.robot.tool is None else self.robot.tool.body.mass_kg
-        lever = LEVER * self.reach
+        lever = LEVER * self.robot.reach
         found = np.zeros((len(masses), 10))
         for row, (mass, link) in enumerate(zip(masses, self.robot.links, strict=True)):
             com = np.array(link.body.com_m)

@@ -55,7 +55,7 @@ def _wrenches(nominal: Nominal, rows: Rows) -> Array:
     R = np.asarray(nominal.model.tcp_pose(rows.q))[:, :3, :3]
     moved = sum(link.body.mass_kg for link in nominal.robot.links[1:])
     force = FORCE * STANDARD_GRAVITY * moved
-    sizes = np.repeat([force, force * LEVER * nominal.reach], 3)
+    sizes = np.repeat([force, force * LEVER * nominal.robot.reach], 3)
     turned = np.zeros((len(R), 6, 6))
     turned[:, :3, :3] = R
     turned[:, 3:, 3:] = R

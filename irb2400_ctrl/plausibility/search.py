@@ -94,9 +94,10 @@ def understand(robot: Robot, log: Log) -> Understanding | None:
     if rows is None:
         return None
     nominal = Nominal(robot)
+    columns = nominal.columns(rows)
     unstated = nominal.with_unknown_rotors()
-    # free where the log as labelled asks for them: with a rotor a sign, or a spring, is another's
-    if _as_labelled(unstated, rows).cost < _as_labelled(nominal, rows).cost - ASKED:
+    # free where the log as labelled asks for them: with one a spring is a torque turned over
+    if unstated.explained(rows, columns).cost < nominal.explained(rows, columns).cost - ASKED:
         nominal = unstated
     found = _understood(nominal, log, rows)
     stated = robot.friction.any() and robot.identified is None
@@ -109,10 +110,6 @@ def understand(robot: Robot, log: Log) -> Understanding | None:
         return found
     off = _contradicted(nominal, log, rows, free)
     return replace(free, other_friction=off) if off else found
-
-
-def _as_labelled(nominal: Nominal, rows: Rows) -> Fit:
-    return nominal.explained(rows, nominal.columns(rows))
 
 
 def _contradicted(nominal: Nominal, log: Log, rows: Rows, free: Understanding) -> tuple[int, ...]:

@@ -224,6 +224,12 @@ class Robot(Table):
         return self.model_copy(update={"joints": tuple(joints)})
 
     @cached_property
+    def reach(self) -> float:
+        """Sum of the distances between neighbouring axes, from the first to the flange [m]."""
+        frames = [*(link.frame.matrix() for link in self.links[1:]), self.flange.matrix()]
+        return float(sum(np.linalg.norm(frame[:3, 3]) for frame in frames))
+
+    @cached_property
     def friction(self) -> Array:
         """Friction of eq. 54 to compute with: columns F_s, F_c [Nm], F_v [Nm s/rad], omega_st
         [rad/s]; shape (n, 4).

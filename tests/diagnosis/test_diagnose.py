@@ -154,6 +154,8 @@ def test_an_elastic_joint_comes_with_the_spread_of_its_stiffness() -> None:
     log = next(iter(case.simulate()))
     found = diagnose(load_robot("irb2400"), Log(log.time, log.q, log.tau, q_ref=log.q_ref))
     assert [(f.effect.kind, f.effect.joint) for f in found.findings] == [("elastic_joint", 4)]
+    # how it swings on unseen rows nobody knows
+    assert found.findings[0].validation_gain is None
     value = found.findings[0].effect.parameters()
     sigma = found.findings[0].standard_errors
     for name in ("stiffness_Nm_rad", "damping_ratio"):

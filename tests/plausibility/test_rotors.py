@@ -43,6 +43,18 @@ def test_a_rotor_that_the_file_does_not_state_is_no_wrong_column(seed: int) -> N
     assert log_problem(drawn.robot, replace(drawn.log, tau=tau)) is not None
 
 
+def test_an_arm_with_such_rotors_below_a_ceiling_is_told() -> None:
+    drawn = other_arm_log(1)
+    tau = drawn.log.tau.copy()
+    for joint in (3, 4, 5):
+        tau[:, joint] += 3.0 * rotor_torque(drawn.log, joint)
+    other_way = tuple(-g for g in drawn.robot.gravity_m_s2)
+    hanging = drawn.robot.model_copy(update={"gravity_m_s2": other_way})
+    problem = log_problem(hanging, replace(drawn.log, tau=tau))
+    assert problem is not None
+    assert problem.kind == "mounting"
+
+
 def test_a_rotor_that_the_file_states_is_known_to_a_third() -> None:
     robot = load_robot("irb2400")
     nominal = Nominal(

@@ -90,11 +90,10 @@ def usual(effect: Effect) -> bool:
 
 
 def within_reach(robot: Robot, effect: Effect) -> bool:
-    """Whether a body sits no further from its link than `REACH`, or half of all links together."""
+    """Whether a body sits no further from its link than `REACH`, or half of the arm's reach."""
     if not isinstance(effect, AddedBody):
         return True
-    lengths = [np.linalg.norm(link.frame.matrix()[:3, 3]) for link in robot.links]
-    return math.hypot(*effect.com_m) <= max(REACH, 0.5 * float(np.sum(lengths)))
+    return math.hypot(*effect.com_m) <= max(REACH, 0.5 * robot.reach)
 
 
 def can_be_taken_off(robot: Robot, effect: Effect) -> bool:
