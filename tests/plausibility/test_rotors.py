@@ -29,8 +29,8 @@ def rotor_torque(log: Log, joint: int) -> npt.NDArray[np.float64]:
 
 @pytest.mark.parametrize("seed", [1, 5, 9])
 def test_a_rotor_that_the_file_does_not_state_is_no_wrong_column(seed: int) -> None:
-    """Twelve of twelve arms whose rotors need three times the torque of all else were another
-    robot, another unit or a turned axis."""
+    """Arms whose rotors need three times the torque of all else were another robot, or their
+    torques in another unit."""
     drawn = other_arm_log(seed)
     tau = drawn.log.tau.copy()
     for joint in (3, 4, 5):
@@ -53,6 +53,12 @@ def test_an_arm_with_such_rotors_below_a_ceiling_is_told() -> None:
     problem = log_problem(hanging, replace(drawn.log, tau=tau))
     assert problem is not None
     assert problem.kind == "mounting"
+
+
+def test_beside_unknown_friction_rotors_stay_as_unknown() -> None:
+    nominal = Nominal(load_robot("irb2400"))
+    for one in (nominal, nominal.with_unknown_rotors()):
+        assert one.with_unknown_friction([2]).free_rotors == one.free_rotors
 
 
 def test_a_rotor_that_the_file_states_is_known_to_a_third() -> None:
