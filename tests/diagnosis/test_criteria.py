@@ -103,6 +103,15 @@ def test_what_shows_in_motion_gains_a_fifth_there() -> None:
     assert not with_gain(21.9, gain=1e4)
 
 
+def test_a_law_is_told_on_the_joint_of_whose_torque_it_is_the_most() -> None:
+    unlike: Any = SimpleNamespace(
+        n=3, tau=ROWS[:, None] * np.array([90.0, 20.0, 6.0]), filtered_reading=lambda values: values
+    )
+    told = Threshold(Criteria(), unlike, 0.0 * ROWS[:, None] * np.ones(3))  # type: ignore[arg-type]
+    assert told.most_on(candidate((9.0, 5.0, 1.0))) == 2
+    assert told.most_on(candidate((9.0, 1.0, 1.0))) == 3
+
+
 @pytest.mark.parametrize(
     ("size", "same"), [(0.72, True), (0.71, False), (1.39, True), (1.41, False)]
 )

@@ -7,12 +7,14 @@ import json
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 from independent_plant import Case, Effect
 
 from irb2400_ctrl.diagnosis import Diagnosis, diagnose
+from irb2400_ctrl.diagnosis.comparison.selection import Selection
 from irb2400_ctrl.diagnosis.findings import _share
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.measurement import Log
@@ -60,6 +62,23 @@ def test_an_effect_is_named_and_takes_the_validation_error_away(kind: str, joint
     assert after < 0.7 * before
     # the name alone, without new parameters, is not what made it better
     assert after < 0.8 * found.validation.error_recalibrated.rmse[joint - 1]
+
+
+def test_what_no_name_says_is_told_where_lesser_names_fall_for_it(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    weighed = Selection._weighty
+
+    def nameless(self: Selection, *given: Any) -> Any:
+        self.nameless = 4
+        return weighed(self, *given)
+
+    monkeypatch.setattr(Selection, "_weighty", nameless)
+    log = Case(31, duration=8.0, validation_duration=3.0).simulate()[0]
+    found = diagnose(load_robot("irb2400"), Log(log.time, log.q, log.tau, q_ref=log.q_ref))
+    assert found.nameless == 4
+    assert found.verdict == "unexplained"
+    assert any("joint 4: something there says more than twice" in said for said in found.weak)
 
 
 def test_much_more_than_noise_left_on_a_joint_is_not_explained() -> None:
