@@ -76,6 +76,22 @@ def test_a_push_beside_the_tip_is_named_with_its_moment() -> None:
     assert coefficients[3:] == pytest.approx(np.cross(PLACE, FORCE), abs=3.0)
 
 
+def test_a_knock_is_found_to_the_sample() -> None:
+    """Where an edge was moved by steps of a quarter of a second, knocks of 0.3 to 0.8 s were left
+    without a name on four of twelve arms, a payload of -0.8 kg on one, and forces a half too small
+    on three."""
+    log = Case(78, duration=20.0, validation_duration=3.0).simulate()[0]
+    begin, end = 8.13, 8.58
+    tau = log.tau + ((log.time >= begin) & (log.time < end))[:, None] * virtual_work(log.q)
+    found = diagnose(ROBOT, Log(log.time, log.q, tau, qd=log.qd, q_ref=log.q_ref))
+    (name,) = found.findings
+    assert name.effect.kind == "process_force"
+    (window,) = name.effect.windows_s
+    assert window == pytest.approx((begin, end), abs=0.02)
+    # the arm hardly turns in that time: the axes may be the base's
+    assert name.effect.sizes()[0] == pytest.approx(np.linalg.norm(FORCE), abs=6.0)
+
+
 def test_no_body_sits_further_from_its_link_than_links_are_long() -> None:
     """The flank of a push was a payload for 40 ms, two metres from the flange."""
     payload = LIBRARY["payload"]

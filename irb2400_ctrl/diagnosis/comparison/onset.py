@@ -26,7 +26,7 @@ BLOCK = 0.5
 """[s] resolution of the first look at a force over time"""
 STARTS = 16
 FINER = 3
-"""how often the width in which an edge is moved is halved"""
+"""how many widths, each half of the last, an edge is moved by in one pass over the log"""
 EDGE_DIGITS = 6
 """of the time of an edge [s]"""
 TRIED = 6
@@ -84,11 +84,12 @@ class Windowing:
             return None
         windows, gain, always = self._begun(law)
         if LIBRARY[law.kind].search.comes_and_goes:
-            comes_and_goes = self._on_and_off(law)
-            pieces = self._in_pieces(law, chain(*comes_and_goes))
-            if comes_and_goes and (there := pieces(comes_and_goes)) > gain:
-                windows = comes_and_goes
-                gain = there
+            for comes_and_goes in self._on_and_off(law):
+                pieces = self._in_pieces(law, chain(*comes_and_goes))
+                worth = _worth_their_edges(comes_and_goes, pieces)
+                if (there := pieces(worth)) > gain:
+                    windows = worth
+                    gain = there
         return (law, windows, gain) if gain > always + CLEARLY / 2 else None
 
     def _acting(self, law: Point, windows: Windows) -> Candidate | None:
@@ -149,8 +150,9 @@ class Windowing:
         best = int(np.argmax(gains))
         return begun[best], gains[best], gain(((float(start), OPEN_END_S),))
 
-    def _on_and_off(self, law: Point) -> Windows:
-        """Times at which a force of constant direction is there, from its value in short blocks."""
+    def _on_and_off(self, law: Point) -> list[Windows]:
+        """Times at which a force of constant direction is there, from its value in short blocks:
+        one that is there for a tenth of the record and more, and a knock."""
         time = self.motion.time
         columns = self.scan.columns(law)
         place = ((self.motion.row_time - time[0]) / BLOCK).astype(np.intp)
@@ -162,18 +164,30 @@ class Windowing:
         direction = np.linalg.svd(force, full_matrices=False)[2][0]
         size = force @ direction
         size = size * np.sign(size[np.argmax(np.abs(size))])
-        on = size > 0.5 * np.quantile(size, 0.9)
-        edges = np.flatnonzero(np.diff(np.concatenate([[False], on, [False]]).astype(int)))
-        return tuple(
-            (float(time[0] + BLOCK * a), float(time[0] + BLOCK * b))
-            for a, b in zip(edges[::2], edges[1::2], strict=True)
-        )
+        found = []
+        for full in (np.quantile(size, 0.9), size.max()):
+            on = size > 0.5 * full
+            edges = np.flatnonzero(np.diff(np.concatenate([[False], on, [False]]).astype(int)))
+            found.append(
+                tuple(
+                    (float(time[0] + BLOCK * a), float(time[0] + BLOCK * b))
+                    for a, b in zip(edges[::2], edges[1::2], strict=True)
+                )
+            )
+        return found
 
     def _sharpened(self, law: Point, windows: Windows) -> Windows:
         """Every edge moved to where the evidence is largest, coarse to fine; without the windows
         that are not worth their two edges."""
         windows = _worth_their_edges(windows, self._in_pieces(law, chain(*windows)))
         width = 0.5 * self.motion.duration / STARTS if len(windows) == 1 else 0.5 * BLOCK
+        while width > np.median(np.diff(self.motion.time)):
+            windows = self._moved(law, windows, width)
+            width /= 2**FINER
+        return windows
+
+    def _moved(self, law: Point, windows: Windows, width: float) -> Windows:
+        """Every edge moved by at most twice a width [s], which is halved `FINER` - 1 times."""
         widths = [width / 2**k for k in range(FINER)]
         steps = widths[-1] * np.arange(1 - 2**FINER, 2**FINER)
         within_reach = [e + s for e in chain(*windows) if e < OPEN_END_S for s in steps]
