@@ -12,6 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.diagnosis.at_rest import worse_at_rest
 from irb2400_ctrl.diagnosis.body_estimates import BodyEstimates
 from irb2400_ctrl.diagnosis.lists import FindingList
 from irb2400_ctrl.diagnosis.log_errors import LogErrors
@@ -239,9 +240,18 @@ class Diagnosis(Displayed):
             return "log_not_understood"
         if self.unexplained or self.nameless or (self.findings and self.left_over):
             return "unexplained"
+        if self.worse_at_rest:
+            return "unexplained"
         if self.findings:
             return "explained"
         return "unexplained" if self.beyond_noise else "nothing_missing"
+
+    @property
+    def worse_at_rest(self) -> tuple[int, ...]:
+        """Resting joints (from 1) whose torque what was found makes wrong beyond friction."""
+        compared = self.identification
+        before = compared.error_before.rmse
+        return worse_at_rest(self.given, self.not_excited, before, compared.error_after.rmse)
 
     @property
     def beyond_noise(self) -> tuple[int, ...]:

@@ -81,7 +81,8 @@ def test_a_knock_is_found_to_the_sample() -> None:
     without a name on four of twelve arms, a payload of -0.8 kg on one, and forces a half too small
     on three."""
     log = Case(78, duration=20.0, validation_duration=3.0).simulate()[0]
-    begin, end = 8.13, 8.58
+    begin = 8.13
+    end = 8.58
     tau = log.tau + ((log.time >= begin) & (log.time < end))[:, None] * virtual_work(log.q)
     found = diagnose(ROBOT, Log(log.time, log.q, tau, qd=log.qd, q_ref=log.q_ref))
     (name,) = found.findings

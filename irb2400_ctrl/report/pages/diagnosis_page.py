@@ -44,6 +44,7 @@ VERDICTS = {
     "log_not_understood": "The log is not what its columns say: no effect was tried.",
 }
 LACKS_ONLY = "The file leaves out what most files do (rotors, offsets), and that has a name."
+AT_REST = "What was found fits the joints that moved, and makes wrong what holds those that rest."
 GRADES: dict[str, Grade] = {
     "explained": "note",
     "nothing_missing": "good",
@@ -60,6 +61,8 @@ CHANGES = {
 
 def verdict_sentence(diagnosis: Diagnosis) -> str:
     """The verdict in one sentence."""
+    if diagnosis.verdict == "unexplained" and diagnosis.worse_at_rest:
+        return AT_REST
     off = diagnosis.verdict == "nothing_missing" and off_bodies(diagnosis.numbers)
     if off and not diagnosis.change:
         return "No law is missing, but inertial numbers of the file are off; what is left is noise."
