@@ -110,7 +110,7 @@ def test_of_a_force_its_own_window_is_left_and_sharpened() -> None:
         return 1000.0 * inside - 900.0 * (sum(b - a for a, b in windows) - inside)
 
     windowing: Any = Windowing.__new__(Windowing)
-    windowing.motion = SimpleNamespace(duration=20.0)
+    windowing.motion = SimpleNamespace(duration=20.0, time=np.arange(0.0, 20.0, 0.01))
     windowing._in_pieces = lambda law, edges: gain
     ((start, stop),) = windowing._sharpened(None, ((1.0, 1.5), (4.2, 5.9), (8.0, 8.5)))
-    assert (start, stop) == pytest.approx(force, abs=0.07)
+    assert (start, stop) == pytest.approx(force, abs=0.01)
