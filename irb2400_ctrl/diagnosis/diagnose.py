@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from irb2400_ctrl.arrays import Array, one_thread
-from irb2400_ctrl.diagnosis.at_rest import WORSE_AT_REST, worse_at_rest
+from irb2400_ctrl.diagnosis.at_rest import WORSE_AT_REST
 from irb2400_ctrl.diagnosis.bent_numbers import BENT, beside_noise
 from irb2400_ctrl.diagnosis.comparison.acceptance import INFLATION
 from irb2400_ctrl.diagnosis.comparison.criteria import Criteria
@@ -275,9 +275,6 @@ def _concluded(
     weak = [] if motion.instrumented else [NOISY_MOTION]
     weak += [f"joint {j} is not excited" for j in idle]
     weak += motion.remarks
-    errors_there = (compared[0].error_before.rmse, compared[0].error_after.rmse)
-    if worse := worse_at_rest(given, idle, *errors_there):
-        weak.append(WORSE_AT_REST.format(joints=", ".join(f"joint {j}" for j in worse)))
     weak += [said for effect in fit.effects if (said := effect.mistaken_for)]
     told = numbers(
         prior,
@@ -289,7 +286,7 @@ def _concluded(
     )
     if any(one.name in BODY for one in told) and turns_impossible(given, recalibrated):
         weak.append(IMPOSSIBLE)
-    return Diagnosis(
+    found = Diagnosis(
         given=given,
         robot=later,
         findings=findings_of(prior, steps, fit, fitter, load, change),
@@ -303,6 +300,10 @@ def _concluded(
         numbers=told,
         change=change,
     )
+    if not found.worse_at_rest:
+        return found
+    joints = ", ".join(f"joint {j}" for j in found.worse_at_rest)
+    return replace(found, weak=(*weak, WORSE_AT_REST.format(joints=joints)))
 
 
 def _better_with_numbers(

@@ -240,7 +240,7 @@ class Diagnosis(Displayed):
             return "log_not_understood"
         if self.unexplained or self.nameless or (self.findings and self.left_over):
             return "unexplained"
-        if self.worse_at_rest:
+        if self.worse_at_rest:  # whatever was found
             return "unexplained"
         if self.findings:
             return "explained"

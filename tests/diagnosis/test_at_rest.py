@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from independent_plant import Case
 
-from irb2400_ctrl.diagnosis import diagnose
+from irb2400_ctrl.diagnosis import Diagnosis, diagnose
 from irb2400_ctrl.diagnosis.at_rest import worse_at_rest
 from irb2400_ctrl.measurement import Log
 from irb2400_ctrl.report.pages.diagnosis_page import AT_REST, verdict_sentence
@@ -34,13 +34,20 @@ def test_only_beyond_its_friction_and_only_where_that_is_stated() -> None:
 
 @pytest.fixture(scope="module")
 def log() -> Log:
-    return Case(79, duration=12.0, validation_duration=3.0).simulate()[0]
+    seen = Case(79, duration=12.0, validation_duration=3.0).simulate()[0]
+    return Log(seen.time, seen.q, seen.tau, qd=seen.qd, q_ref=seen.q_ref)
+
+
+def test_a_note_names_the_joint(log: Log, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(Diagnosis, "worse_at_rest", (4, 5))
+    said = "more than its friction can hold (joint 4, joint 5)"
+    assert any(said in note for note in diagnose(ROBOT, log).weak)
 
 
 def test_the_verdict_is_not_explained_then(log: Log) -> None:
     """On a clean Panda of which three joints moved, a balancer and 3.5 kg were "explained" while
     two resting joints went from 2.6 to 8.4 and from 0.3 to 3.0 Nm."""
-    found = diagnose(ROBOT, Log(log.time, log.q, log.tau, qd=log.qd, q_ref=log.q_ref))
+    found = diagnose(ROBOT, log)
     assert found.verdict == "nothing_missing"
     error = found.identification.error_after
     rmse = error.rmse.copy()

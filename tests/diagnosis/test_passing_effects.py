@@ -77,7 +77,7 @@ def test_what_a_force_gains_in_its_times_comes_of_sums_over_pieces() -> None:
     noise = [Noise(np.array([1.0, 0.0, 0.0]), np.full(len(kept), 2.0), kept) for _ in range(2)]
     problem = Problem(y, base, noise)
     columns = RegressorColumns((0, 1), law)
-    motion = SimpleNamespace(time=time, row_time=time, duration=24.0)
+    motion = SimpleNamespace(time=time, row_time=time, duration=24.0, step=0.02)
     scan: Any = SimpleNamespace(motion=motion, columns=lambda point: columns)
     windowing = Windowing(scan, problem)
     point: Any = SimpleNamespace(kind="process_force", joint=None, nonlinear={})
@@ -110,7 +110,21 @@ def test_of_a_force_its_own_window_is_left_and_sharpened() -> None:
         return 1000.0 * inside - 900.0 * (sum(b - a for a, b in windows) - inside)
 
     windowing: Any = Windowing.__new__(Windowing)
-    windowing.motion = SimpleNamespace(duration=20.0, time=np.arange(0.0, 20.0, 0.01))
+    windowing.motion = SimpleNamespace(duration=20.0, step=0.01)
     windowing._in_pieces = lambda law, edges: gain
     ((start, stop),) = windowing._sharpened(None, ((1.0, 1.5), (4.2, 5.9), (8.0, 8.5)))
     assert (start, stop) == pytest.approx(force, abs=0.01)
+
+
+def test_where_nothing_is_left_nothing_comes_and_goes() -> None:
+    time = np.arange(0.0, 6.0, 0.02)
+    base = np.random.default_rng(2).normal(size=(len(time), 1, 1))
+    noise = [Noise(np.array([1.0, 0.0, 0.0]), np.full(len(time) - 5, 2.0), np.arange(5, len(time)))]
+    problem = Problem(np.zeros((len(time), 1)), base, noise)
+    columns = RegressorColumns((0,), np.ones((len(time), 1, 3)))
+    motion = SimpleNamespace(time=time, row_time=time, duration=6.0, step=0.02)
+    scan: Any = SimpleNamespace(motion=motion, columns=lambda point: columns)
+    windowing = Windowing(scan, problem)
+    point: Any = SimpleNamespace(kind="process_force", joint=None, nonlinear={}, device="")
+    assert windowing._on_and_off(point) == []
+    assert windowing._look(point) is None
