@@ -36,6 +36,7 @@ from irb2400_ctrl.diagnosis.preparation.identified_prior import IdentifiedPrior
 from irb2400_ctrl.diagnosis.preparation.metrics import errors, noise_floor
 from irb2400_ctrl.diagnosis.preparation.noise_test import noise_test
 from irb2400_ctrl.diagnosis.preparation.plain_numbers import PlainNumbers
+from irb2400_ctrl.diagnosis.preparation.resting import Resting
 from irb2400_ctrl.diagnosis.preparation.sticking_contacts import sticking_contacts
 from irb2400_ctrl.diagnosis.recalibrated import recalibrated_terms
 from irb2400_ctrl.diagnosis.regressors.bases import Bases
@@ -136,16 +137,20 @@ def _searched(
     doubtful = doubtful_accelerations(bases.model, logs.used, motion)
     load = bases.model.inverse_dynamics(motion.q, motion.qd, motion.qdd, friction=False)
     contacts = contacts_of(bases, motion, load)
-    turning = sticking_contacts(bases, motion, prior.dry_friction(), contacts)
-    Z = motion.filtered(np.concatenate([numbers_of_robot, doubtful, turning], axis=2))
+    dry = prior.dry_friction()
+    resting = Resting.of(motion, load, numbers_of_robot, np.maximum(robot.friction[:, 0], dry))
+    turning = sticking_contacts(bases, motion, dry, contacts)
+    columns = [numbers_of_robot, doubtful, resting.columns, turning]
+    Z = motion.filtered(np.concatenate(columns, axis=2))
     progress("scan")
     reversal = reversal_rows(motion)
     own = numbers_of_robot.shape[2]
-    first = Fitter(robot, bases, motion, Z[:, :, : -turning.shape[2]], reversal, own).fit([])
+    of_base = Z[:, :, : -turning.shape[2]]
+    first = Fitter(robot, bases, motion, of_base, reversal, own, holds=resting.holds).fit([])
     motion = noisy_reversals_masked(motion, bases, first, reversal, contacts)
     scan = Scan(bases, motion, load, contacts)
     plain = PlainNumbers(prior, motion.recorded_rows(numbers_of_robot), motion.at_rows(motion.qd))
-    fitter = Fitter(robot, bases, motion, Z, reversal, own, plain)
+    fitter = Fitter(robot, bases, motion, Z, reversal, own, plain, resting.holds)
     selection = Selection(scan, fitter, criteria)
     steps, fit = selection.run()
     progress("conclude")
@@ -159,7 +164,7 @@ def _searched(
     each = log_errors(motion, *torques, logs, (found.given, found.robot))
     noise = noise_test(robot, logs.used, motion, compared.after, _unsure(fit, motion))
     numbers = (*found.numbers, *moved)
-    weak = (*logs.remarkable, *found.weak)
+    weak = (*logs.remarkable, *found.weak, *resting.remarks)
     if bent:
         numbers = tuple(one for one in numbers if one.list == "lacks")
         weak = (*weak, BENT)

@@ -1,4 +1,4 @@
-"""Joints that rest bear witness: what is found must not make their torque worse than friction
+"""Joints that rest bear witness: what is found leaves the arm held up, but for what their friction
 holds."""
 
 from __future__ import annotations
@@ -9,9 +9,15 @@ import numpy as np
 import pytest
 from independent_plant import Case
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.diagnosis import Diagnosis, diagnose
 from irb2400_ctrl.diagnosis.at_rest import worse_at_rest
+from irb2400_ctrl.diagnosis.estimation.posterior import posterior
+from irb2400_ctrl.diagnosis.preparation.noise import HELD, NoiseModel
+from irb2400_ctrl.diagnosis.preparation.resting import Resting
 from irb2400_ctrl.measurement import Log
+from irb2400_ctrl.measurement.prepared_log import PreparedLog, prepare
+from irb2400_ctrl.model import Model
 from irb2400_ctrl.report.pages.diagnosis_page import AT_REST, verdict_sentence
 from irb2400_ctrl.robot import load_robot
 
@@ -57,3 +63,72 @@ def test_the_verdict_is_not_explained_then(log: Log) -> None:
     assert worse.worse_at_rest == (4,)
     assert worse.verdict == "unexplained"
     assert verdict_sentence(worse) == AT_REST
+
+
+ROWS = 400
+STEP = 0.05
+STILL = np.column_stack([np.ones(ROWS, dtype=bool), np.zeros(ROWS, dtype=bool)])
+"""of two joints the second rests"""
+
+
+def noise_of(holds: float) -> NoiseModel:
+    """Of a log of 20 s."""
+    return NoiseModel(STILL, ~STILL, np.zeros(2), STEP, holds=np.array([np.inf, holds]))
+
+
+def test_a_joint_at_rest_counts_as_one_value_a_second() -> None:
+    left = np.random.default_rng(1).standard_normal((ROWS, 2))
+    for found in (noise_of(5.0).white(left), noise_of(5.0).coloured(left)):
+        seconds = ROWS * STEP / HELD
+        assert np.sum(found[1].weight ** 2) == pytest.approx(seconds / 5.0**2)
+        assert not found[1].a[1:].any()
+    assert len(noise_of(np.inf).white(left)[1].kept) == 0
+
+
+def test_bodies_are_bound_by_what_a_resting_joint_holds() -> None:
+    """Two numbers explain the moving joint alike; one of them would ask 500 Nm of the resting one,
+    whose friction holds 10."""
+    rng = np.random.default_rng(2)
+    swing = np.sin(np.arange(ROWS) * STEP)
+    columns = np.zeros((ROWS, 2, 3))
+    columns[:, 0, 0] = swing
+    columns[:, 1, 0] = 100.0
+    columns[:, 0, 1] = swing
+    columns[:, 1, 2] = 10.0  # the mean of what friction holds
+    y = np.zeros((ROWS, 2))
+    y[:, 0] = 10.0 * swing + 0.1 * rng.standard_normal(ROWS)
+
+    def asked(holds: float) -> float:
+        b, _ = posterior(y, columns, noise_of(holds).white(y))
+        return float(abs(100.0 * b[0]))
+
+    assert asked(np.inf) > 400.0
+    assert asked(10.0) < 20.0
+
+
+@pytest.fixture(scope="module")
+def still() -> PreparedLog:
+    seen = Case(80, duration=8.0, validation_duration=3.0, idle=(2, 4)).simulate()[0]
+    return prepare(Log(seen.time, seen.q, seen.tau, q_ref=seen.q_ref))
+
+
+def resting(motion: PreparedLog, tau: Array) -> Resting:
+    load = Model(ROBOT).inverse_dynamics(motion.q, motion.qd, motion.qdd, friction=False)
+    numbers = np.full((len(motion.time), motion.n, 1), 5.0)
+    return Resting.of(replace(motion, tau=tau), np.asarray(load), numbers, ROBOT.friction[:, 0])
+
+
+def test_a_joint_under_its_brake_is_no_witness(still: PreparedLog) -> None:
+    sound = resting(still, still.tau)
+    assert np.flatnonzero(np.isfinite(sound.holds)).tolist() == [1, 3]
+    np.testing.assert_allclose(sound.holds[[1, 3]], ROBOT.friction[[1, 3], 0])
+    assert sound.columns.shape[2] == 2
+    assert not sound.remarks
+    braked = still.tau.copy()
+    braked[:, 1] = 1000.0 + 0.1 * np.sin(still.time)
+    braked[:, 3] = braked[0, 3]  # never changes: no torque at all
+    found = resting(still, braked)
+    assert not np.isfinite(found.holds).any()
+    assert found.columns.shape[2] == 0
+    assert len(found.remarks) == 1
+    assert found.remarks[0].startswith("joint 2 rests, and its torque is not what holds the arm")

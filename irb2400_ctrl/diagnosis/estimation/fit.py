@@ -84,19 +84,21 @@ class Fitter:
         reversal: Mask,
         own: int | None = None,
         plain: PlainNumbers | None = None,
+        holds: Array | None = None,
     ) -> None:
         """Fits with base columns Z (rows, n, k).
 
         Args:
-            own: how many of them, the first, are numbers of the robot; the others may move but say
-                nothing about it; default all.
+            own: how many of them, the first, are numbers of the robot, which the others say nothing
+                about; default all.
             plain: these at the instants of the rows, not filtered; only `HeldOut` needs them.
+            holds: what dry friction holds of a joint that rests, shape (n,) [Nm].
         """
         self.robot = robot
         self.bases = bases
         self.motion = motion
         self.Z = Z
-        self.noise = NoiseModel.of(motion, reversal, robot.usually_left)
+        self.noise = NoiseModel.of(motion, reversal, robot.usually_left, holds)
         self.own = Z.shape[2] if own is None else own
         self.plain = plain
         self.widened = 1.0  # times further off than stated that the robot's numbers may be
@@ -180,8 +182,7 @@ class Fitter:
     def _misfit(self, state: _State, noise: tuple[Noise, ...]) -> float:
         """Whitened sum of squares left when all but the natural parameters is fitted."""
         y, columns, parameters, _, _ = state
-        k = self.Z.shape[2]
-        held = np.delete(columns, np.arange(k, k + len(parameters)), axis=2)
+        held = np.delete(columns, self.Z.shape[2] + np.arange(len(parameters)), axis=2)
         b, explained, _ = self._solved(y, held, noise)
         left = y - explained
         return float(
@@ -285,8 +286,7 @@ class Fitter:
         return self.motion.filtered_reading(self.motion.tau_smooth - predicted)
 
     def _torque(self, effect: Effect, filtered: bool = True) -> Array:
-        columns = self.placed(effect, filtered=filtered)
-        return np.asarray(columns @ np.array(effect.coefficients()))
+        return np.asarray(self.placed(effect, filtered=filtered) @ np.array(effect.coefficients()))
 
     def placed(self, effect: Effect, *, discrepancy: bool = False, filtered: bool = True) -> Array:
         """Columns of an effect's basis or discrepancy, shape (rows, n, k)."""

@@ -4,6 +4,7 @@ reversals, and what an identification of the arm leaves of any motion (Kennedy a
 from __future__ import annotations
 
 from cmath import sqrt
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
 from math import log
@@ -26,6 +27,10 @@ LEAST = 1e-9
 """[Nm] where there is no torque"""
 SLOW = 0.3
 """[s] over which what a model of an arm leaves of a motion stays what it is"""
+FEWEST = 20
+"""rows, of fewer nothing is known of a joint's noise: it rests"""
+HELD = 1.0
+"""[s] over which the friction of a joint that rests stays what it is"""
 _TURNS = np.exp(-1j * np.outer(np.arange(1, ORDER + 1), 2.0 * np.pi * np.arange(256) / 256))
 
 
@@ -76,6 +81,8 @@ class NoiseModel:
             shape (n,) [Nm]. It is not estimated from the log: there it is what a law may explain.
         step: between two rows [s].
         least: that noise is taken for, shape (n,) or one for all [Nm].
+        holds: what dry friction holds of a joint that rests, shape (n,) [Nm]; without it, and where
+            it is infinite, nothing is known of such a joint.
     """
 
     known: Mask
@@ -83,33 +90,52 @@ class NoiseModel:
     wander: Array
     step: float
     least: Array | float = LEAST
+    holds: Array | None = None
 
     @classmethod
-    def of(cls, motion: PreparedLog, reversal: Mask, wander: Array) -> NoiseModel:
+    def of(
+        cls, motion: PreparedLog, reversal: Mask, wander: Array, holds: Array | None = None
+    ) -> NoiseModel:
         """Of one log.
 
         Args:
-            motion: prepared; reversal, wander: as of the class.
+            motion: prepared; reversal, wander, holds: as of the class.
         """
         step = float(np.median(np.diff(motion.row_time)))
         least = FINEST * np.sqrt(np.mean(motion.tau**2, axis=0)) + LEAST
-        return cls(motion.row_known, reversal, wander, step, least)
+        return cls(motion.row_known, reversal, wander, step, least, holds)
 
     def white(self, residual: Array) -> tuple[Noise, ...]:
         """White noise of the level that row-to-row differences show (robust against slow misfit),
         larger near reversals; `residual`: what the model leaves, shape (rows, n) [Nm]."""
         each = zip(residual.T, self._kept, self.reversal.T, self._least, strict=True)
-        return tuple(_white(here, rows, turning, least) for here, rows, turning, least in each)
+        return self._with_resting(
+            _white(here, rows, turning, least) for here, rows, turning, least in each
+        )
 
     def coloured(self, residual: Array) -> tuple[Noise, ...]:
         """AR(ORDER) of each joint by least squares on the gap-free rows, of few rows white, and
         what is left of any motion; argument as of `white`."""
         per_joint = (residual.T, self._kept, self.reversal.T, self._least, self.wander)
-        return tuple(
+        return self._with_resting(
             _Fitted(here, rows, turning).noise(least, wander, self.step)
             if len(rows) >= 20 * ORDER
             else _white(here, rows, turning, least, wander)
             for here, rows, turning, least, wander in zip(*per_joint, strict=True)
+        )
+
+    def _with_resting(self, found: Iterable[Noise]) -> tuple[Noise, ...]:
+        """Of joints that rest what friction holds: one value in each `HELD`."""
+        if self.holds is None:
+            return tuple(found)
+        complete = np.flatnonzero(self.known.any(axis=1))
+        white = np.eye(1, ORDER + 1)[0]
+        share = np.sqrt(min(self.step / HELD, 1.0))
+        return tuple(
+            Noise(white, np.full(len(complete), share / holds), complete) if witness else one
+            for one, holds, witness in zip(
+                found, self.holds, rests(self.known) & np.isfinite(self.holds), strict=True
+            )
         )
 
     @property
@@ -119,6 +145,11 @@ class NoiseModel:
     @cached_property
     def _kept(self) -> list[npt.NDArray[np.intp]]:
         return [complete_rows(rows) for rows in self.known.T]
+
+
+def rests(known: Mask) -> Mask:
+    """Joints of which a log determines next to no row, shape (n,); `known`: (rows, n)."""
+    return np.asarray(known.sum(axis=0) < FEWEST)
 
 
 def complete_rows(known: Mask, order: int = ORDER) -> npt.NDArray[np.intp]:
@@ -141,7 +172,7 @@ def _white(
     """
     a = np.zeros(ORDER + 1)
     a[0] = 1.0
-    if len(kept) < 20:
+    if len(kept) < FEWEST:
         return Noise(a, np.ones(len(kept)), kept)
     differences = (residual[kept] - residual[kept - 1]) / np.sqrt(2.0)
     calm = ~reversal[kept]
