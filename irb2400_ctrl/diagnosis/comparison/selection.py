@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -75,7 +76,7 @@ class Selection:
     def _searched(self, steps: list[Step]) -> tuple[list[Step], Fit]:
         """Explanations added to those there are, while they count."""
         ground = self._beside([s.candidate for s in steps])
-        tried: set[frozenset[Name]] = set()
+        tried: list[Counter[Name]] = []  # a joint may have two ripples
         while self._goes_on(steps):
             step = self.next_step(ground)
             wider = self._rather_wider(step, ground.comparison)
@@ -83,7 +84,7 @@ class Selection:
                 # beside numbers that may be further off everything is judged anew
                 self.fitter.widen(wider)
                 steps = []
-                tried = set()
+                tried = []
                 self.refused.clear()
                 ground = self._beside([s.candidate for s in steps])
                 continue
@@ -101,10 +102,10 @@ class Selection:
                 continue
             steps = further if len(further) == 1 else self._exchanged(further)
             ground = self._beside([s.candidate for s in steps])
-            names = frozenset(named(s.candidate) for s in steps)
+            names = Counter(named(s.candidate) for s in steps)
             if names in tried:
                 break  # one explanation pushes another out and is pushed out by it again
-            tried.add(names)
+            tried.append(names)
         return steps, self.fitter.fit([s.candidate for s in steps])
 
     def _beside(self, chosen: Sequence[Candidate], on: Mask | None = None) -> Ground:
