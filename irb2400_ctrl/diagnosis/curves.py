@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from irb2400_ctrl.arrays import Array
-from irb2400_ctrl.diagnosis.diagnosis import Curve
+from irb2400_ctrl.diagnosis.finding import Curve
 from irb2400_ctrl.measurement.prepared_log import PreparedLog
 
 UNITS = {"q": "rad", "qd": "rad/s", "qdd": "rad/s2", "load": "Nm", "time": "s"}

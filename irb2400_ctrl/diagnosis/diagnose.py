@@ -148,7 +148,7 @@ def _searched(
     of_base = Z[:, :, : -turning.shape[2]]
     first = Fitter(robot, bases, motion, of_base, reversal, own, holds=resting.holds).fit([])
     motion = noisy_reversals_masked(motion, bases, first, reversal, contacts)
-    scan = Scan(bases, motion, load, contacts)
+    scan = Scan(bases, motion, load, contacts, robot.effects)
     plain = PlainNumbers(prior, motion.recorded_rows(numbers_of_robot), motion.at_rows(motion.qd))
     fitter = Fitter(robot, bases, motion, Z, reversal, own, plain, resting.holds)
     selection = Selection(scan, fitter, criteria)

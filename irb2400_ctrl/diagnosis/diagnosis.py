@@ -13,14 +13,12 @@ import numpy.typing as npt
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.diagnosis.at_rest import worse_at_rest
-from irb2400_ctrl.diagnosis.body_estimates import BodyEstimates
-from irb2400_ctrl.diagnosis.lists import FindingList
+from irb2400_ctrl.diagnosis.finding import Finding, Unexplained, plain
 from irb2400_ctrl.diagnosis.log_errors import LogErrors
 from irb2400_ctrl.diagnosis.numbers import Number
 from irb2400_ctrl.diagnosis.preparation.metrics import Errors
 from irb2400_ctrl.diagnosis.preparation.noise_test import NoiseTest
 from irb2400_ctrl.diagnosis.sound_logs import LeftOut
-from irb2400_ctrl.effects import Effect
 from irb2400_ctrl.files import write_json
 from irb2400_ctrl.notebook import Displayed
 from irb2400_ctrl.plausibility import LogProblem
@@ -38,126 +36,6 @@ which it is as strong there: noise with a colour (1.07 at most on three sound ar
 sensors have it, 1.6 and more where a law was missing)"""
 USUAL = 1.3
 """times what a reference leaves on stretches that its model had not seen"""
-
-
-@dataclass(frozen=True)
-class Curve:
-    """An effect's own torque over the signal it is best seen on.
-
-    Args:
-        joint: where it is drawn, from 1; signal: q, qd, qdd, load or time; unit: of the abscissa.
-        x: middles of the bins; measured: what the log shows there once all else is taken off; low,
-            high: its 95 % band;
-        law: what the effect says [Nm]; turned: both as torque against the motion, whatever its
-            direction.
-    """
-
-    joint: int
-    signal: str
-    unit: str
-    x: Array
-    measured: Array
-    low: Array
-    high: Array
-    law: Array
-    turned: bool = False
-
-
-@dataclass(frozen=True)
-class Finding:
-    """An effect that the robot has and its model lacked.
-
-    Args:
-        effect: with its parameters; standard_errors: by parameter name.
-        confidence: probability that kind and joint are right, from measured suites.
-        alternatives: kinds that this log can not exclude; splits: the motion that would.
-        gain: log evidence [nats]; margin: over the best other explanation [nats].
-        share: rms torque of the effect over the rms torque of each joint, shape (n,).
-        list: what every robot has and the file lacks, what is special here, or what changed.
-        validation_gain: per cent by which the rms error on unseen stretches of the log falls
-            because this name is in, on the joint where it shows most; None where none were held
-            out.
-        body: of a body, beside an uncertain base and given the file's; None for other effects.
-    """
-
-    effect: Effect
-    standard_errors: Mapping[str, float | list[float]]
-    confidence: float
-    alternatives: tuple[str, ...]
-    gain: float
-    margin: float
-    share: Array
-    curve: Curve
-    list: FindingList
-    body: BodyEstimates | None = None
-    validation_gain: float | None = None
-
-    @property
-    def sentence(self) -> str:
-        """One plain sentence."""
-        place = "" if self.effect.joint is None else f"Joint {self.effect.joint}: "
-        text = f"{place}{self.effect.sentence}"
-        return text[0].upper() + text[1:] + "."
-
-    @property
-    def splits(self) -> str:
-        """What to measure to exclude the alternatives."""
-        return self.effect.ambiguity.splits if self.alternatives else ""
-
-    def to_json(self) -> dict[str, Any]:
-        """As in findings.json."""
-        body = {} if self.body is None else {"body": self.body.to_json()}
-        gain = {}
-        if self.validation_gain is not None:
-            gain["validation_gain_percent"] = round(self.validation_gain, 2)
-        return {
-            "kind": self.effect.kind,
-            "joint": self.effect.joint,
-            "list": self.list,
-            "parameters": _plain(_as_in_files(self.effect.parameters())),
-            "standard_errors": _plain(dict(self.standard_errors)),
-            "confidence": round(self.confidence, 3),
-            "alternatives": list(self.alternatives),
-            "sentence": self.sentence,
-            "measure_next": self.splits,
-            "log_evidence": round(self.gain, 1),
-            "margin": round(self.margin, 1),
-            **gain,
-            "share_of_torque": [round(float(v), 5) for v in self.share],
-            **body,
-        }
-
-
-def _as_in_files(parameters: Mapping[str, Any]) -> dict[str, Any]:
-    """findings.json keeps the name `shape` of the discrepancy."""
-    return {("shape" if k == "discrepancy" else k): v for k, v in parameters.items()}
-
-
-@dataclass(frozen=True)
-class Unexplained:
-    """A torque that no effect of the library makes.
-
-    Args:
-        joint: from 1; depends_on: signals of that joint, or of another with its number; rmse: its
-            size [Nm].
-    """
-
-    joint: int
-    depends_on: tuple[str, ...]
-    rmse: float
-    confidence: float
-    description: str
-    curve: Curve
-
-    def to_json(self) -> dict[str, Any]:
-        """As in findings.json."""
-        return {
-            "joint": self.joint,
-            "depends_on": list(self.depends_on),
-            "rmse_Nm": round(self.rmse, 4),
-            "confidence": round(self.confidence, 3),
-            "description": self.description,
-        }
 
 
 @dataclass(frozen=True)
@@ -304,7 +182,7 @@ class Diagnosis(Displayed):
             **problem,
             "effects": [f.to_json() for f in self.findings],
             "numbers": [n.to_json() for n in self.numbers],
-            "recalibrated": _plain(dict(self.recalibrated)),
+            "recalibrated": plain(dict(self.recalibrated)),
             "unexplained": [u.to_json() for u in self.unexplained],
             "beyond_noise": list(self.beyond_noise),
             "error": self.error,
@@ -333,12 +211,3 @@ class Diagnosis(Displayed):
         out = Path(out)
         findings = write_json(out / "findings.json", self.to_json())
         return findings, save_robot(self.robot, out / "robot.toml")
-
-
-def _plain(value: Any) -> Any:
-    """Tuples to lists, numpy to Python."""
-    if isinstance(value, Mapping):
-        return {k: _plain(v) for k, v in value.items()}
-    if isinstance(value, tuple | list | np.ndarray):
-        return [_plain(v) for v in value]
-    return float(value) if isinstance(value, np.floating) else value

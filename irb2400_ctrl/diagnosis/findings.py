@@ -13,9 +13,10 @@ from irb2400_ctrl.diagnosis.comparison.acceptance import INFLATION
 from irb2400_ctrl.diagnosis.comparison.confidence import alternatives, confidence
 from irb2400_ctrl.diagnosis.comparison.step import Step
 from irb2400_ctrl.diagnosis.curves import UNITS, binned_curve
-from irb2400_ctrl.diagnosis.diagnosis import Finding, Unexplained
 from irb2400_ctrl.diagnosis.estimation.candidate import Candidate
+from irb2400_ctrl.diagnosis.estimation.effect_parameters import changed_of
 from irb2400_ctrl.diagnosis.estimation.fit import Fit, Fitter
+from irb2400_ctrl.diagnosis.finding import Finding, Unexplained
 from irb2400_ctrl.diagnosis.lists import list_of
 from irb2400_ctrl.diagnosis.preparation.base_prior import BasePrior
 from irb2400_ctrl.diagnosis.preparation.identified_prior import IdentifiedPrior
@@ -71,6 +72,7 @@ def findings_of(
                     ),
                     # how a transmission swings on unseen rows nobody knows
                     validation_gain=None if step.candidate.devices else _gain(step, effect, joint),
+                    stated=changed_of(effect, fitter.robot.effects),
                 )
             )
             place += 1

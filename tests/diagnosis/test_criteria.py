@@ -69,7 +69,7 @@ def threshold(measured: float = 20.0, predicted: float = 10.0, **changed: float)
     motion: Any = SimpleNamespace(
         n=3, tau=measured * ROWS[:, None] * np.ones(3), filtered_reading=lambda values: values
     )
-    return Threshold(Criteria(**changed), motion, predicted * ROWS[:, None] * np.ones(3))  # type: ignore[arg-type]
+    return Threshold(Criteria(**changed), motion, [predicted * ROWS[:, None] * np.ones(3)])  # type: ignore[arg-type]
 
 
 def accepts(of: Any, *chosen: Any, **given: Any) -> bool:
@@ -107,7 +107,7 @@ def test_a_law_is_told_on_the_joint_of_whose_torque_it_is_the_most() -> None:
     unlike: Any = SimpleNamespace(
         n=3, tau=ROWS[:, None] * np.array([90.0, 20.0, 6.0]), filtered_reading=lambda values: values
     )
-    told = Threshold(Criteria(), unlike, 0.0 * ROWS[:, None] * np.ones(3))  # type: ignore[arg-type]
+    told = Threshold(Criteria(), unlike, [0.0 * ROWS[:, None] * np.ones(3)])  # type: ignore[arg-type]
     assert told.most_on(candidate((9.0, 5.0, 1.0))) == 2
     assert told.most_on(candidate((9.0, 1.0, 1.0))) == 3
 

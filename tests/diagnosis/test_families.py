@@ -27,6 +27,7 @@ def scan(**given: Any) -> Any:
     made: Any = Scan.__new__(Scan)
     made.laws = {("balancer", 2): (GRID, ()), ("payload", None): (GRID, ())}
     made.motion = SimpleNamespace(n=6)
+    made.stated = ()
     vars(made).update(given)
     return made
 
@@ -71,8 +72,18 @@ def test_a_law_without_such_a_grid_stays() -> None:
 
 def test_a_family_pays_for_its_points_and_less_where_it_sits_on_few_joints() -> None:
     made = scan()
-    assert made.family_penalty("balancer", 2) == pytest.approx(np.log(18 * 2 / 6))
-    assert made.family_penalty("payload", None) == pytest.approx(np.log(18))
+    assert made.family_penalty("balancer", 2, GRID[0]) == pytest.approx(np.log(18 * 2 / 6))
+    assert made.family_penalty("payload", None, {}) == pytest.approx(np.log(18))
+
+
+def test_an_effect_of_the_file_is_not_chosen_among_others() -> None:
+    """Its place in the family is known, and stays."""
+    stated = LIBRARY["balancer"].of(2, torque_Nm=10.0, **GRID[7])
+    made = scan(stated=(stated,))
+    assert made.family_penalty("balancer", 2, GRID[7]) == 0.0
+    assert made.family_penalty("balancer", 2, GRID[6]) > 0.0
+    one = SimpleNamespace(kind="balancer", joint=2, known=True, effects=(stated,))
+    assert made.between(None, one) is one
 
 
 def test_the_choice_of_its_axes_is_no_shape_of_a_force() -> None:

@@ -98,18 +98,18 @@ class Threshold:
         self,
         criteria: Criteria,
         motion: PreparedLog,
-        predicted: Array,
+        predicted: Sequence[Array],
         usual: Array | float = 0.0,
     ) -> None:
-        """`predicted`: torque of the robot as given along the motion, shape (m, n) [Nm]; `usual`:
-        what an identification of this arm has left, (n,) [Nm]."""
+        """`predicted`: torque of the robot as given along the motion, and of each of its effects,
+        shape (m, n) [Nm]; `usual`: what an identification of this arm has left, (n,) [Nm]."""
         self.usual = usual
         self.criteria = criteria
         self.n = motion.n
-        self.rms = np.sqrt(np.mean(motion.filtered_reading(motion.tau) ** 2, axis=0))
-        self.largest = criteria.largest * np.maximum(
-            self.rms, np.sqrt(np.mean(motion.filtered_reading(predicted) ** 2, axis=0))
-        )
+        torques = map(motion.filtered_reading, (motion.tau, *predicted))
+        sizes = np.sqrt([np.mean(torque**2, axis=0) for torque in torques])
+        self.rms = sizes[0]
+        self.largest = criteria.largest * sizes.max(axis=0)
 
     def accepts(self, comparison: Comparison, alternative: Alternative) -> bool:
         """Whether an alternative is large enough to matter on at least one joint that it acts on,

@@ -16,7 +16,7 @@ from irb2400_ctrl.diagnosis.comparison.non_parametric import (
 from irb2400_ctrl.diagnosis.estimation.candidate import Point
 from irb2400_ctrl.diagnosis.preparation.contacts import Contacts
 from irb2400_ctrl.diagnosis.regressors.bases import Bases, RegressorColumns
-from irb2400_ctrl.effects import LIBRARY
+from irb2400_ctrl.effects import LIBRARY, Effect
 from irb2400_ctrl.effects.prior import Nested
 from irb2400_ctrl.measurement.prepared_log import PreparedLog
 
@@ -24,14 +24,23 @@ from irb2400_ctrl.measurement.prepared_log import PreparedLog
 class LogColumns:
     """What every effect and every non-parametric law would show on one log, computed once."""
 
-    def __init__(self, bases: Bases, motion: PreparedLog, load: Array, contacts: Contacts) -> None:
+    def __init__(
+        self,
+        bases: Bases,
+        motion: PreparedLog,
+        load: Array,
+        contacts: Contacts,
+        stated: Sequence[Effect] = (),
+    ) -> None:
         """Nothing is computed yet.
 
         Args:
             bases: of the robot; motion: the log, prepared.
             load: torque of the arm without friction, shape (m, n) [Nm].
             contacts: over which angle the friction of this arm turns over.
+            stated: effects that the robot's file has: of each the strength may have changed.
         """
+        self.stated = stated
         self.contacts = contacts
         self.bases = bases
         self.motion = motion
@@ -80,6 +89,7 @@ class LogColumns:
                 and self.contacts.are_narrower(effect, joint, g)
                 and all(g[name] < span for name in effect.prior.time_constants)
             ]
+            grid = self.stated_points(kind, joint) + grid
             if effect.states:
                 columns, self.remembering[kind, joint] = self.bases.with_beginnings(
                     kind, joint, self.motion, grid, own=True
@@ -88,6 +98,11 @@ class LogColumns:
                 columns = self.bases.columns(kind, joint, self.motion, grid)
             found[kind, joint] = (grid, columns)
         return found
+
+    def stated_points(self, kind: str, joint: int | None) -> list[dict[str, float]]:
+        """Where in a family the effects of the robot's file are."""
+        found = [e.nonlinear for e in self.stated if (e.kind, e.joint) == (kind, joint)]
+        return [point for point in found if point]
 
     @cached_property
     def non_parametric(self) -> dict[int, list[NonParametricLaw]]:
@@ -160,9 +175,16 @@ class LogColumns:
         mass = sum(link.body.mass_kg for link in robot.links[1:])
         return max(mass, 1.0), max(float(np.hypot(flange[:, 0], flange[:, 1]).max()), 0.1)
 
-    def family_penalty(self, kind: str, joint: int | None) -> float:
+    def family_penalty(self, kind: str, joint: int | None, point: dict[str, float]) -> float:
         """What the choice among the members of a family costs [nats]: all points of its grid, on
-        one of the joints that it may sit on, over one of all joints."""
+        one of the joints that it may sit on, over one of all joints.
+
+        Args:
+            kind, joint: of the family.
+            point: of its grid, or between; that of an effect of the file is not chosen.
+        """
+        if point in self.stated_points(kind, joint):
+            return 0.0
         n = self.motion.n
         share = 1.0 if joint is None else len(LIBRARY[kind].joints(n)) / n
         return float(np.log(len(self.laws[kind, joint][0]) * share))

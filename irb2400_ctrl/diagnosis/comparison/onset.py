@@ -110,7 +110,8 @@ class Windowing:
         if effect is None or not self._asks_for_its_form(law, windows, score.gain):
             return None
         edges = sum(edge < OPEN_END_S for window in windows for edge in window)
-        penalty = self.scan.family_penalty(law.kind, law.joint) + CLEARLY + PER_EDGE * (edges - 1)
+        chosen = self.scan.family_penalty(law.kind, law.joint, law.nonlinear)
+        penalty = chosen + CLEARLY + PER_EDGE * (edges - 1)
         part = type(effect).model_validate({**effect.model_dump(), "windows_s": windows})
         score = replace(score, gain=score.gain - penalty)
         name = f"{law.kind}, part of the time"

@@ -113,7 +113,8 @@ class Scan(LogColumns):
             nonlinear = grid[place]
             forms = self.forms(kind, self.member(kind, joint, nonlinear)[0])
             # a family with many members must win by more
-            penalty = self.family_penalty(kind, joint) + float(np.log(len(forms)))
+            chosen = self.family_penalty(kind, joint, nonlinear)
+            penalty = chosen + float(np.log(len(forms)))
             for form in forms:
                 tried = self._in_form(problem, (kind, joint), nonlinear, form, penalty)
                 anew = LIBRARY[kind].about(form, tried.score.coefficients)
@@ -153,10 +154,13 @@ class Scan(LogColumns):
 
     def between(self, problem: Problem, candidate: Candidate) -> Candidate:
         """The candidate with its nonlinear parameters searched between the neighbours in the grid,
-        one after the other."""
+        one after the other; those of an effect of the file stay."""
         if not candidate.known or not LIBRARY[candidate.kind].search.between_grid:
             return candidate
-        grid, _ = self.laws[candidate.kind, candidate.joint]
+        family = (candidate.kind, candidate.joint)
+        if candidate.effects[0].nonlinear in self.stated_points(*family):
+            return candidate
+        grid, _ = self.laws[family]
         best = candidate
         widths = {key: 0.5 * step_at(grid, key, best.effects[0].nonlinear[key]) for key in grid[0]}
         for _ in range(3):

@@ -19,7 +19,7 @@ from irb2400_ctrl.diagnosis.comparison.scan import Scan
 from irb2400_ctrl.diagnosis.comparison.step import Step, of_the_whole_arm
 from irb2400_ctrl.diagnosis.estimation.candidate import Candidate
 from irb2400_ctrl.diagnosis.estimation.fit import Fit, Fitter
-from irb2400_ctrl.diagnosis.regressors.predict import predicted_torque
+from irb2400_ctrl.diagnosis.regressors.predict import effect_torque, predicted_torque
 
 SMALL_FAMILY = 20
 """members of a family that still is one law"""
@@ -49,7 +49,9 @@ class Selection:
         self.acceptance = Acceptance(fitter, self.criteria)
         motion = scan.motion
         predicted = predicted_torque(fitter.robot, motion, fitter.bases)
-        self.threshold = Threshold(self.criteria, motion, predicted, fitter.robot.usually_left)
+        robot = fitter.robot
+        stated = [effect_torque(fitter.bases, e, motion) for e in robot.effects]
+        self.threshold = Threshold(self.criteria, motion, [predicted, *stated], robot.usually_left)
         left = motion.tau - predicted
         self.turns = AtReversals(motion, left)
         self.load_changes = AtLoadChanges(motion, left, fitter.bases.model)

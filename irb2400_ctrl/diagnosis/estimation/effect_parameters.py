@@ -24,11 +24,17 @@ class Parameter:
     prior: tuple[float, float] | None
 
 
-def parameters_of(effect: Effect, place: int) -> list[Parameter]:
-    """The natural parameters of an effect that a fit may move."""
+def parameters_of(effect: Effect, place: int, stated: Sequence[Effect] = ()) -> list[Parameter]:
+    """The natural parameters of an effect that a fit may move.
+
+    Args:
+        effect: of the model; place: its number among them.
+        stated: effects of the robot's file; what changes one of them keeps its shape.
+    """
     found = []
     # those of effects with memory come from a search that also moves the record's beginning
-    held = type(effect).nonlinear_names(effect.joint) if effect.states else ()
+    keeps = effect.states or changed_of(effect, stated) is not None
+    held = type(effect).nonlinear_names(effect.joint) if keeps else ()
     for name, value in effect.parameters().items():
         if name in held:
             continue
@@ -41,6 +47,15 @@ def parameters_of(effect: Effect, place: int) -> list[Parameter]:
         elif isinstance(value, float) and name not in effect.prior.fixed:
             found.append(Parameter(place, name, None, prior))
     return found
+
+
+def changed_of(effect: Effect, stated: Sequence[Effect]) -> Effect | None:
+    """The one of the robot's file of which an effect is a change of strength, if any is."""
+    for one in stated:
+        same = (one.kind, one.joint) == (effect.kind, effect.joint)
+        if same and one.nonlinear and one.nonlinear == effect.nonlinear:
+            return one
+    return None
 
 
 def value_of(effect: Effect, parameter: Parameter) -> float:

@@ -257,7 +257,7 @@ class Fitter:
         for place, effect in enumerate(bare):
             torque = self._torque(effect)
             size = max(float(np.sqrt(np.mean(torque**2))), 1e-9)
-            for parameter in parameters_of(effect, place):
+            for parameter in parameters_of(effect, place, self.robot.effects):
                 slope = self.slope(effect, parameter)
                 slope += moves * slope_of_shown(effect, parameter, self.motion)
                 scale = 3.0 * size / max(float(np.sqrt(np.mean(slope**2))), 1e-12)
