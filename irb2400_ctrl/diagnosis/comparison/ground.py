@@ -76,6 +76,18 @@ class Ground:
         short += [c for c in self._part_of_the_time(joints) if not _is_refused(c, refused)]
         return sorted(map(self._told, short), key=lambda one: -one.evidence)
 
+    def far_ahead(self, name: Name) -> list[Alternative]:
+        """The best candidate and the next, where it has this name and gains so much more than any
+        other that no look at all of them is needed; else none."""
+        known = [c for c in self.ranked if c.known]
+        if not known or named(known[0]) != name:
+            return []
+        others = [c for c in known if named(c) != name][:1]
+        ahead = 1.0 + self.threshold.criteria.two_at_once
+        if any(ahead * c.score.gain > known[0].score.gain for c in others):
+            return []
+        return [self._told(self._between(c)) for c in (known[0], *others)]
+
     def lags_on_a_spring(self, late: Alternative, every: Sequence[Alternative]) -> bool:
         """Whether an angle that seems late is a link behind a soft transmission, or one with play:
         one is there, or counts, beside the lateness too, which has no swing.

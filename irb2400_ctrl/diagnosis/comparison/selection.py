@@ -16,13 +16,11 @@ from irb2400_ctrl.diagnosis.comparison.comparison import Alternative, Comparison
 from irb2400_ctrl.diagnosis.comparison.criteria import Criteria, Threshold, of_one_moment
 from irb2400_ctrl.diagnosis.comparison.ground import Ground, Name, named
 from irb2400_ctrl.diagnosis.comparison.scan import Scan
-from irb2400_ctrl.diagnosis.comparison.step import Step, of_the_whole_arm
-from irb2400_ctrl.diagnosis.estimation.candidate import Candidate
+from irb2400_ctrl.diagnosis.comparison.step import Step, of_the_whole_arm, without_its_other
+from irb2400_ctrl.diagnosis.estimation.candidate import Candidate, simple
 from irb2400_ctrl.diagnosis.estimation.fit import Fit, Fitter
 from irb2400_ctrl.diagnosis.regressors.predict import effect_torque, predicted_torque
 
-SMALL_FAMILY = 20
-"""members of a family that still is one law"""
 UNSETTLED = (
     "the search for names ended before it settled: they come and go with each other, as where "
     "something acts on the whole arm that no name fits; take what is said for a suspicion"
@@ -91,7 +89,7 @@ class Selection:
                 ground = self._beside([s.candidate for s in steps])
                 continue
             if step is None:
-                lone = _without_its_other(steps)
+                lone = without_its_other(steps)
                 if lone is None:
                     break
                 self.refused.add(named(steps.pop(lone).candidate))
@@ -207,13 +205,19 @@ class Selection:
                 return steps, fit
             steps = [*steps[:place], steps[place].only(clear), *steps[place + 1 :]]
 
-    def next_step(self, ground: Ground, alone: bool = False) -> Step | None:
-        """The best further explanation if it counts; `alone`: no two effects in the place of a
-        non-parametric law."""
-        if not alone:
-            self.looks += 1
+    def next_step(
+        self, ground: Ground, alone: bool = False, among: Sequence[Alternative] = ()
+    ) -> Step | None:
+        """The best further explanation if it counts.
+
+        Args:
+            ground: beside what it is to be.
+            alone: no two effects in the place of a non-parametric law.
+            among: these alone; default all.
+        """
+        self.looks += not alone and not among
         comparison = ground.comparison
-        every = ground.alternatives(self.refused)
+        every = [*among] or ground.alternatives(self.refused)
         while True:
             best, alternatives = self._best(ground, every, alone)
             if best is None:
@@ -287,8 +291,8 @@ class Selection:
             return candidate.known and candidate.joint == joint and not candidate.begins
 
         known = [r for r in alternatives if of_joint(r.candidate)]
-        simple = [r for r in known if _simple(r.candidate)]
-        for first in {id(r): r for r in (*simple[:1], *known[:1])}.values():
+        plain_ones = [r for r in known if simple(r.candidate)]
+        for first in {id(r): r for r in (*plain_ones[:1], *known[:1])}.values():
             gain = comparison.gain(first)
             if gain < self.criteria.gain:
                 continue
@@ -297,7 +301,7 @@ class Selection:
             if second is None or not of_joint(second.candidate):
                 continue
             near = gained <= (1.0 + self.criteria.two_at_once) * gain
-            plain = near and _simple(first.candidate) and _simple(second.candidate)
+            plain = near and simple(first.candidate) and simple(second.candidate)
             if gain + second.gain > gained + (0.0 if plain else self.criteria.unknown):
                 return first
         return non_parametric
@@ -319,7 +323,7 @@ class Selection:
             if self.unsettled:
                 break
             others = [s.candidate for k, s in enumerate(kept) if k != place]
-            step = self.next_step(self._beside(others, there))
+            step = self._again(earlier, self._beside(others, there))
             if step is None and all(o.known for o in others):
                 kept.pop(place)
                 changed |= there
@@ -334,17 +338,9 @@ class Selection:
             if not of_one_moment(s.candidate, [k.candidate for k in kept if k is not s])
         ]
 
-
-def _simple(candidate: Candidate) -> bool:
-    """Whether an effect's family is one law."""
-    return bool(candidate.penalty < np.log(SMALL_FAMILY))
-
-
-def _without_its_other(steps: Sequence[Step]) -> int | None:
-    """Place of an explanation that counts only beside another one of its joint, which did not come;
-    None if there is none."""
-    joints = [s.candidate.joint for s in steps]
-    for place, step in enumerate(steps):
-        if step.one_of_two and joints.count(step.candidate.joint) == 1:
-            return place
-    return None
+    def _again(self, earlier: Candidate, ground: Ground) -> Step | None:
+        """The step in the place of an explanation: the same, where nothing comes near it."""
+        name = named(earlier)
+        ahead = ground.far_ahead(name)
+        step = self.next_step(ground, among=ahead) if ahead else None
+        return step if step and named(step.candidate) == name else self.next_step(ground)

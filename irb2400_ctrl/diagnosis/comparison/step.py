@@ -66,3 +66,13 @@ def of_the_whole_arm(steps: Sequence[Step], n: int) -> bool:
     """Whether what has no name is on more than half of n joints, and on more than one: something
     acts on the whole arm, and the robot's numbers bend with it."""
     return 2 * len({s.candidate.joint for s in steps if not s.candidate.known}) > max(n, 2)
+
+
+def without_its_other(steps: Sequence[Step]) -> int | None:
+    """Place of an explanation that counts only beside another one of its joint, which did not come;
+    None if there is none."""
+    joints = [s.candidate.joint for s in steps]
+    for place, step in enumerate(steps):
+        if step.one_of_two and joints.count(step.candidate.joint) == 1:
+            return place
+    return None

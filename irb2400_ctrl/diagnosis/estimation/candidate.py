@@ -19,6 +19,8 @@ EVERY_JOINT = "of every joint"
 """in the name of effects of one kind, one on each joint, with a size each"""
 NON_PARAMETRIC_SHARE = 0.5
 """share of its torque that a flexible law may leave: what is left is more of the same unknown"""
+SMALL_FAMILY = 20
+"""members of a family that still is one law"""
 
 
 @dataclass(frozen=True)
@@ -154,3 +156,8 @@ def plausible(
     except (ValueError, ZeroDivisionError):
         return None
     return None if effect.unlikely else effect
+
+
+def simple(candidate: Candidate) -> bool:
+    """Whether an effect's family is one law."""
+    return bool(candidate.penalty < np.log(SMALL_FAMILY))
