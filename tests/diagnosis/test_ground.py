@@ -65,6 +65,27 @@ class Told:
         return [a.candidate.kind for a in self.ground.alternatives(refused)]
 
 
+def test_what_is_far_ahead_of_all_other_names_needs_no_look_at_all(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def ahead(name: Any, *ranked: Any) -> list[str]:
+        told = Told(monkeypatch)
+        told.ground.comparison.scan.rank = lambda *_: list(ranked)
+        return [a.candidate.kind for a in told.ground.far_ahead(named(name))]
+
+    ripple = explanation("ripple", 3, gain=90.0)
+    second = explanation("ripple", 3, gain=80.0)
+    near = explanation("payload", None, gain=46.0)
+    far = explanation("payload", None, gain=44.0)
+    law = explanation("unexplained", 3, False, gain=95.0)
+    # a flexible law never takes the place of a name
+    assert ahead(ripple, law, ripple, second, far) == ["ripple", "payload"]
+    assert ahead(ripple, ripple, near) == []
+    assert ahead(near, ripple, far) == []
+    assert ahead(ripple, law) == []
+    assert ahead(ripple, ripple) == ["ripple"]
+
+
 def test_alternatives_are_the_best_of_the_scan_that_were_not_refused(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

@@ -37,6 +37,7 @@ def beside(chosen: Any, on: Any = None) -> Any:
         comparison=SimpleNamespace(chosen=chosen),
         on=on,
         lags_on_a_spring=lambda one, every: False,
+        far_ahead=lambda name: [],
     )
 
 
@@ -295,6 +296,58 @@ def test_each_explanation_is_judged_again_beside_the_others(
     said["oc"] = Step(explanation("m", 2), 60.0, ())
     assert exchanged(other, a, c) == ["m", "c"]
     assert asked == [("o", "c"), ("m", "c")]
+
+
+def test_what_nothing_comes_near_is_judged_again_without_a_look_at_all(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    looks: list[list[str]] = []
+    near: list[Any] = [of(explanation("ripple"), 90.0), of(explanation("payload", None), 40.0)]
+    said: list[Any] = []
+
+    def next_step(self: Any, ground: Any, alone: bool = False, among: Any = ()) -> Any:
+        looks.append([one.candidate.kind for one in among])
+        return said.pop(0)
+
+    monkeypatch.setattr(Selection, "next_step", next_step)
+    ground: Any = beside([])
+    ground.far_ahead = lambda name: near
+    ripple = Step(explanation("ripple"), 90.0, ())
+    other = Step(explanation("other"), 95.0, ())
+
+    def again(*steps: Any) -> Any:
+        looks.clear()
+        said[:] = steps
+        return bare()._again(explanation("ripple"), ground)
+
+    assert again(ripple) is ripple
+    assert looks == [["ripple", "payload"]]
+    # where it does not count, or another does, all are judged
+    assert again(None, other) is other
+    assert again(other, None) is None
+    assert looks == [["ripple", "payload"], []]
+    near.clear()
+    assert again(other) is other
+    assert looks == [[]]
+
+
+def test_a_judgement_of_a_few_is_no_look() -> None:
+    ground: Any = beside([])
+    ground.comparison.gain = lambda one: one.evidence
+    ground.comparison.polished = lambda one: one
+    ground.accepts = lambda one: True
+    ground.alternatives = lambda refused: []
+    threshold = SimpleNamespace(
+        said_by_less=lambda *_: False,
+        best=lambda c, every: every[0],
+        least_gain=lambda c, one: 22.0,
+    )
+    selection = bare(threshold=threshold)
+    one = of(explanation("ripple"), 90.0)
+    assert selection.next_step(ground, among=[one]).candidate.kind == "ripple"
+    assert selection.looks == 0
+    assert selection.next_step(ground) is None
+    assert selection.looks == 1
 
 
 def test_the_search_ends_after_as_many_steps_and_refusals_as_the_criteria_say(
