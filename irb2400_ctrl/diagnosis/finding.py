@@ -72,12 +72,14 @@ class Finding:
     def sentence(self) -> str:
         """One plain sentence."""
         place = "" if self.effect.joint is None else f"Joint {self.effect.joint}: "
-        text = f"{place}{self.effect.sentence if self.stated is None else self._changed()}"
+        text = place + self.says
         return text[0].upper() + text[1:] + "."
 
-    def _changed(self) -> str:
-        """How much stronger the effect of the file is than stated."""
-        assert self.stated is not None
+    @property
+    def says(self) -> str:
+        """What it is, or how much weaker or stronger than the file states, in plain words."""
+        if self.stated is None:
+            return self.effect.sentence
         sizes = [float(np.linalg.norm(one.coefficients())) for one in (self.effect, self.stated)]
         same = np.dot(self.effect.coefficients(), self.stated.coefficients()) > 0.0
         share = 100.0 * sizes[0] / max(sizes[1], 1e-12)

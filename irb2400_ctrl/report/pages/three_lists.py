@@ -70,7 +70,7 @@ class Entry:
     @property
     def sentence(self) -> str:
         """What it is, in plain words."""
-        return sentence(self.findings[0].effect.sentence)
+        return sentence(self.findings[0].says)
 
     @property
     def size(self) -> str:
