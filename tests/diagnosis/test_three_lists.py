@@ -168,14 +168,14 @@ def test_links_of_one_number_are_listed_as_joints_are() -> None:
     numbers = [number(f"link {k}", "com_y_m", 0.1, 0.2) for k in (1, 2, 10)]
     numbers.append(number("tool", "com_y_m", 0.1, 0.2))
     (line,) = number_lines(numbers)
-    assert line == "centre of mass y [m] of links 1, 2 and 10 and tool: +100 to +100 %"
+    assert line == "centre of mass y [m] of links 1, 2 and 10 and tool: moved by 0.100 to 0.100"
 
 
 def test_a_change_of_next_to_nothing_is_no_per_cent() -> None:
     """Of a centre of mass of 4e-10 m "-5742496534 %" was printed."""
     numbers = [number("link 2", "com_z_m", 4e-10, -0.02), number("link 4", "com_z_m", 0.4, 0.2)]
     (line,) = number_lines(numbers)
-    assert line == "centre of mass z [m] of links 2 and 4: -0.0200, 0.200"
+    assert line == "centre of mass z [m] of links 2 and 4: moved by -0.200 to -0.0200"
     assert "%" not in number_lines(numbers[:1])[0]
 
 
@@ -237,3 +237,17 @@ def test_of_rotors_alone_nothing_special_is_told() -> None:
     rotor = finding("rotor_inertia", 2, 0.05)
     assert told(rotor).startswith("The file leaves out what most files do")
     assert told(rotor, finding("gear_ripple", 1, 0.1)) == VERDICTS["explained"]
+
+
+def test_a_coordinate_has_no_per_cent() -> None:
+    """A centre of mass from -1.8 to -350 mm was "+19283 %"."""
+
+    def moved(name: str, before: float, after: float) -> Number:
+        return Number("special", "link 6", name, before, after, 0.0012, 9.0)
+
+    (line,) = number_lines([moved("com_y_m", -0.00181, -0.35)])
+    assert line == "centre of mass y [m] of link 6: -0.00181 -> -0.3500 ± 0.0012"
+    (line,) = number_lines([moved("Ixy", -0.01, 0.2)])
+    assert "%" not in line
+    (line,) = number_lines([moved("Ixx", 0.1, 0.2)])
+    assert line.endswith("(+100 %)")

@@ -42,6 +42,8 @@ WORDS = {
     **{f"I{k}": f"inertia I{k} [kg m2]" for k in ("xx", "yy", "zz", "xy", "xz", "yz")},
 }
 """names of numbers for a reader"""
+SIGNED = ("com_x_m", "com_y_m", "com_z_m", "Ixy", "Ixz", "Iyz")
+"""numbers whose zero says nothing: a centre of mass from -1.8 to -350 mm has no per cent"""
 MOST_LINES = 8
 """of numbers of one list that a terminal shows"""
 
@@ -158,18 +160,22 @@ def number_lines(numbers: Sequence[Number]) -> list[str]:
 
 
 def _number_line(name: str, numbers: Sequence[Number]) -> str:
-    """`mass [kg] of tool: 20 -> 23 ± 0.1 (+15 %)`, or of several the range of the change."""
+    """`mass [kg] of tool: 20 -> 23 ± 0.1 (+15 %)`, or of several the range of the change: of
+    coordinates and products of inertia, which have no natural zero, no per cent."""
     words = WORDS.get(name, name)
     if len(numbers) == 1:
         number = numbers[0]
         before = "not stated" if number.before is None else show(number.before)
         text = f"{words} of {number.place}: {before} -> "
         text += with_error(number.after, number.standard_error)
-        change = _change(number)
+        change = None if name in SIGNED else _change(number)
         return text if change is None else f"{text} ({change:+.0f} %)"
+    where = _places([number.place for number in numbers])
+    if name in SIGNED and None not in [number.before for number in numbers]:
+        moves = [number.after - (number.before or 0.0) for number in numbers]
+        return f"{words} of {where}: moved by {show(min(moves))} to {show(max(moves))}"
     changes = [_change(number) for number in numbers]
     told = [change for change in changes if change is not None]
-    where = _places([number.place for number in numbers])
     if len(told) < len(changes):
         values = ", ".join(show(number.after) for number in sorted(numbers, key=_place))
         return f"{words} of {where}: {values}"
