@@ -59,9 +59,6 @@ BYTES_PER_ROW = 4e5
 """of memory that the search takes, on six axes (2.6 GB for 300 s)"""
 WORTH = 0.01
 """share of a joint's error that a changed friction takes off at least"""
-NOISY_MOTION = (
-    "no commanded motion (q_ref), or none that explains the measured one: regressors carry noise"
-)
 LEAST_SPEED = 0.05
 """[rad/s] rms speed of a joint below which nothing can be said about it"""
 
@@ -277,9 +274,7 @@ def _concluded(
         j + 1 for j in range(motion.n) if np.sqrt(np.mean(motion.qd[:, j] ** 2)) < LEAST_SPEED
     )
     floor = noise_floor(motion.tau - compared[0].after, motion.known, motion.step)
-    weak = [] if motion.instrumented else [NOISY_MOTION]
-    weak += [f"joint {j} is not excited" for j in idle]
-    weak += motion.remarks
+    weak = [*motion.from_measured, *(f"joint {j} is not excited" for j in idle), *motion.remarks]
     weak += [said for effect in fit.effects if (said := effect.mistaken_for)]
     told = numbers(
         prior,

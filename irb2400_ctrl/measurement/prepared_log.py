@@ -35,6 +35,14 @@ UNEVEN = (
     "the angles jump in time as where a host reads some samples twice and misses others: "
     "accelerations come from the recorded speed, which is calmer"
 )
+NO_COMMAND = (
+    "no commanded motion (q_ref): speeds and accelerations come from the measured angles and carry "
+    "their noise; record it where the controller has it"
+)
+OTHER_MOTION = (
+    "the measured motion is not the commanded one (q_ref) behind a servo: speeds and accelerations "
+    "come from the measured angles and carry their noise"
+)
 LEFT_OF_NOISE = 1.0
 """smoothed over unsmoothed rms below which a difference is noise, at 250 Hz (white noise: 0.4)"""
 NOISE_RESERVE = 1.5
@@ -100,6 +108,8 @@ class PreparedLog:
     by_speed: bool = False
     """whether the speed that it recorded stands in for differentiated angles (`recorded_speed`), in
     one of several logs at least"""
+    commanded: bool = False
+    """whether the log has the commanded motion, which the measured one need not follow"""
 
     @property
     def parts(self) -> list[slice]:
@@ -116,6 +126,11 @@ class PreparedLog:
     def rows(self) -> int:
         """Number of filtered instants."""
         return len(self.row_time)
+
+    @property
+    def from_measured(self) -> tuple[str, ...]:
+        """Why speeds and accelerations carry the noise of measured angles, where they do."""
+        return () if self.instrumented else (OTHER_MOTION if self.commanded else NO_COMMAND,)
 
     @property
     def remarks(self) -> tuple[str, ...]:
@@ -225,6 +240,7 @@ def prepare(log: Log, rate: float | None = None) -> PreparedLog:
         recorders=(recorder,),
         held=tuple(filter(None, released(log)[1:])),
         by_speed=by_speed,
+        commanded=log.q_ref is not None,
     )
 
 

@@ -131,6 +131,17 @@ def test_a_commanded_motion_stays() -> None:
     motion = prepare(with_reference)
     assert motion.instrumented
     assert not motion.by_speed
+    assert not motion.from_measured
+
+
+def test_it_is_said_why_the_motion_is_the_measured_one() -> None:
+    true = polled_at()
+    log = log_of(true, as_it_is)
+    (said,) = prepare(log).from_measured
+    assert said.startswith("no commanded motion (q_ref)")
+    other = replace(log, q_ref=angles(STAMPS)[:, ::-1])
+    (said,) = prepare(other).from_measured
+    assert said.startswith("the measured motion is not the commanded one (q_ref)")
 
 
 def test_an_arm_that_rests_has_no_speed_to_compare() -> None:
