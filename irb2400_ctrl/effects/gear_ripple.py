@@ -29,6 +29,9 @@ class GearRipple(Effect):
     example: ClassVar[Mapping[str, Any]] = {"amplitude_Nm": 1.0, "order": 20.0, "phase_rad": 0.5}
     ambiguity: ClassVar[Ambiguity] = RIPPLE
     search: ClassVar[Search] = Search(between_grid=True, repeats=True)
+    SLOW: ClassVar[tuple[float, ...]] = (2.0, 3.0)
+    """orders of what turns with the joint itself (gauges of a torque sensor, a bent ring), for
+    which no name is given: over the usual travel they look like a spring"""
 
     kind: Literal["gear_ripple"] = "gear_ripple"
     amplitude_Nm: float = Field(ge=0, description="amplitude A [Nm]")

@@ -86,6 +86,18 @@ def test_what_is_far_ahead_of_all_other_names_needs_no_look_at_all(
     assert ahead(ripple, ripple) == ["ripple"]
 
 
+def test_a_spring_over_a_short_travel_may_be_a_slow_ripple(monkeypatch: pytest.MonkeyPatch) -> None:
+    told = Told(monkeypatch)
+    asked: list[int] = []
+    slow = explanation("gear_ripple", 3, gain=70.0)
+    told.ground.comparison.scan.slow_ripple = lambda start, joint: asked.append(joint) or slow
+    (found,) = told.ground.slow_ripple(explanation("cable_spring", 3))
+    assert (found.candidate, asked) == (slow, [3])
+    assert told.ground.slow_ripple(explanation("payload", None)) == []
+    assert told.ground.slow_ripple(explanation("balancer", 2)) == []
+    assert asked == [3]
+
+
 def test_alternatives_are_the_best_of_the_scan_that_were_not_refused(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

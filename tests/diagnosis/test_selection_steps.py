@@ -38,6 +38,7 @@ def beside(chosen: Any, on: Any = None) -> Any:
         on=on,
         lags_on_a_spring=lambda one, every: False,
         far_ahead=lambda name: [],
+        slow_ripple=lambda law: [],
     )
 
 

@@ -13,6 +13,7 @@ from irb2400_ctrl.diagnosis.comparison.comparison import Alternative, Comparison
 from irb2400_ctrl.diagnosis.comparison.criteria import Threshold
 from irb2400_ctrl.diagnosis.comparison.onset import JOINTS_OF, Windowing
 from irb2400_ctrl.diagnosis.estimation.candidate import EVERY_JOINT, Candidate
+from irb2400_ctrl.effects.gear_ripple import GearRipple
 
 Name = tuple[str, int | None, str]
 One = TypeVar("One")
@@ -87,6 +88,14 @@ class Ground:
         if any(ahead * c.score.gain > known[0].score.gain for c in others):
             return []
         return [self._told(self._between(c)) for c in (known[0], *others)]
+
+    def slow_ripple(self, law: Candidate) -> list[Alternative]:
+        """A ripple of fewer periods a turn than one is named for, beside a law of the angle that
+        passes for one: over a short travel they look alike."""
+        if law.kind not in GearRipple.ambiguity.passing or law.joint is None:
+            return []
+        slow = self.comparison.scan.slow_ripple(self.comparison.start, law.joint)
+        return [self._told(slow)]
 
     def lags_on_a_spring(self, late: Alternative, every: Sequence[Alternative]) -> bool:
         """Whether an angle that seems late is a link behind a soft transmission, or one with play:

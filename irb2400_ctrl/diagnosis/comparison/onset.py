@@ -100,7 +100,9 @@ class Windowing:
 
     def _acting(self, law: Point, windows: Windows) -> Candidate | None:
         """An effect acting in these windows only, if it is plausible there; their choice is paid
-        for."""
+        for. A clock does not run late for a moment: channels that hold a value do."""
+        if LIBRARY[law.kind].chain == "clock" and _lasting(windows) < BRIEF:
+            return None
         columns = self._columns(law, windows)
         # how an effect with memory began is told by its window
         extra = None if LIBRARY[law.kind].states else self._columns(law, windows, discrepancy=True)
@@ -123,7 +125,7 @@ class Windowing:
     def _asks_for_its_form(self, law: Point, windows: Windows, gain: float) -> bool:
         """Whether a form of a law gains clearly more in short windows than its simplest, whatever
         the nonlinear parameters of that: in few postures each looks like the other."""
-        if law.form is None or sum(stop - start for start, stop in windows) > BRIEF:
+        if law.form is None or _lasting(windows) > BRIEF:
             return True
         grid, laws = self.scan.laws[law.kind, law.joint]
         simplest = self.scan.forms(law.kind, laws[0])[0]
@@ -225,6 +227,11 @@ class Windowing:
                             best = trial
                             highest = there
         return _worth_their_edges(_frozen(best), gain)
+
+
+def _lasting(windows: Windows) -> float:
+    """[s] in all."""
+    return sum(stop - start for start, stop in windows)
 
 
 def _worth_their_edges(windows: Windows, gain: Callable[[Windows], float]) -> Windows:

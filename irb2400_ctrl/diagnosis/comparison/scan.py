@@ -27,6 +27,7 @@ from irb2400_ctrl.diagnosis.estimation.evidence import (
 from irb2400_ctrl.diagnosis.regressors.bases import RegressorColumns
 from irb2400_ctrl.effects import LIBRARY
 from irb2400_ctrl.effects.base import within
+from irb2400_ctrl.effects.gear_ripple import GearRipple
 from irb2400_ctrl.effects.prior import Nested
 
 EVERYWHERE_PENALTY = 15.0
@@ -151,6 +152,18 @@ class Scan(LogColumns):
         effects = () if effect is None else (effect,)
         expected = form.coefficients
         return Candidate(kind, joint, kind, (), effects, columns, extra, score, penalty, expected)
+
+    def slow_ripple(self, problem: Problem, joint: int) -> Candidate:
+        """The best ripple of one of `GearRipple.SLOW` orders, plausible or not."""
+        found = []
+        for order in GearRipple.SLOW:
+            point = {"order": order}
+            family = ("gear_ripple", joint)
+            (form,) = self.forms("gear_ripple", self.member(*family, point)[0])
+            tried = self._in_form(problem, family, point, form, self.family_penalty(*family, point))
+            effect = GearRipple.from_coefficients(joint, tried.score.coefficients.tolist(), point)
+            found.append(replace(tried, effects=(effect,)))
+        return max(found, key=lambda c: c.score.gain)
 
     def between(self, problem: Problem, candidate: Candidate) -> Candidate:
         """The candidate with its nonlinear parameters searched between the neighbours in the grid,
