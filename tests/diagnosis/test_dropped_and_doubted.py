@@ -94,6 +94,7 @@ def next_of(name: Any, laws: Any, refused: Any) -> str:
         alternatives=lambda refused: every,
         accepts=lambda one: True,
         lags_on_a_spring=lambda one, every: False,
+        slow_ripple=lambda law: [],
         ranked=[*(law for law, _ in laws), name],
     )
     threshold = SimpleNamespace(
