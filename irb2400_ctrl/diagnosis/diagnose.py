@@ -137,13 +137,12 @@ def _searched(
     dry = prior.dry_friction()
     resting = Resting.of(motion, load, numbers_of_robot, np.maximum(robot.friction[:, 0], dry))
     turning = sticking_contacts(bases, motion, dry, contacts)
-    columns = [numbers_of_robot, doubtful, resting.columns, turning]
-    Z = motion.filtered(np.concatenate(columns, axis=2))
+    Z = motion.filtered(np.concatenate([numbers_of_robot, doubtful, resting.columns, turning], 2))
     progress("scan")
     reversal = reversal_rows(motion)
     own = numbers_of_robot.shape[2]
-    of_base = Z[:, :, : -turning.shape[2]]
-    first = Fitter(robot, bases, motion, of_base, reversal, own, holds=resting.holds).fit([])
+    base = Z[:, :, : -turning.shape[2]]
+    first = Fitter(robot, bases, motion, base, reversal, own, holds=resting.holds).fit([])
     motion = noisy_reversals_masked(motion, bases, first, reversal, contacts)
     scan = Scan(bases, motion, load, contacts, robot.effects)
     plain = PlainNumbers(prior, motion.recorded_rows(numbers_of_robot), motion.at_rows(motion.qd))
@@ -153,22 +152,20 @@ def _searched(
     progress("conclude")
     bent = of_the_whole_arm(steps, motion.n)
     fit = beside_noise(fitter, steps, fit) if bent else fit
-    beside = None if validation is None else prepare(validation)
-    found = _concluded(given, prior, fitter, load, steps, fit, beside, change)
-    moved = moved_as_by_a_load(scan, fitter, fit, change)
-    compared = found.identification
-    torques = (compared.before, compared.after)
-    each = log_errors(motion, *torques, logs, (found.given, found.robot))
-    noise = noise_test(robot, logs.used, motion, compared.after, _unsure(fit, motion))
-    numbers = (*found.numbers, *moved)
-    weak = (*logs.remarkable, *found.weak, *resting.remarks)
+    other = None if validation is None else prepare(validation)
+    found = _concluded(given, prior, fitter, load, steps, fit, other, change)
+    told = found.identification
+    each = log_errors(motion, told.before, told.after, logs, (found.given, found.robot))
+    noise = noise_test(robot, logs.used, motion, told.after, _unsure(fit, motion))
+    numbers = (*found.numbers, *moved_as_by_a_load(scan, fitter, fit, change))
+    weak = (*logs.remarkable, *found.weak, *resting.remarks, *selection.remarks)
     if bent:
         numbers = tuple(one for one in numbers if one.list == "lacks")
         weak = (*weak, BENT)
     return replace(
         found,
         numbers=numbers,
-        weak=(*weak, *selection.remarks),
+        weak=weak,
         logs=each,
         left_out=logs.left_out,
         noise=noise,

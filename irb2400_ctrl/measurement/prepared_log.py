@@ -215,14 +215,13 @@ def prepare(log: Log, rate: float | None = None) -> PreparedLog:
     if recorder is not None:
         determined = _smeared(determined, recorder.reach(uniform.step))
         known &= determined
-    time = uniform.time[inside]
     reach = low_pass.half + (0 if instrumented else margin)
     row_known = np.column_stack(
         [low_pass.instants(~widened(~determined[:, j], reach)) for j in range(log.n)]
     ).astype(np.bool_)
     return PreparedLog(
         name=log.name,
-        time=time,
+        time=uniform.time[inside],
         q=positions,
         qd=qd,
         qdd=qdd,
@@ -235,7 +234,7 @@ def prepare(log: Log, rate: float | None = None) -> PreparedLog:
         instrumented=instrumented,
         follow_error=np.sqrt(np.mean((uniform.q - q)[inside][~gap] ** 2, axis=0)),
         low_pass=low_pass,
-        row_time=low_pass.instants(time),
+        row_time=low_pass.instants(uniform.time[inside]),
         row_known=row_known,
         recorders=(recorder,),
         held=tuple(filter(None, released(log)[1:])),
