@@ -125,6 +125,13 @@ def elsewhere(candidate: Candidate, worth: Worth) -> float:
     return float(worth.nats.sum()) - here
 
 
+def shaken(candidate: Candidate, chosen: Sequence[Candidate]) -> bool:
+    """Whether a transmission swings on a joint that an effect sits on: what a file says of that
+    joint sample by sample is off by the swing, whatever else it holds."""
+    swinging = {e.joint for c in chosen if c.devices for e in c.effects}
+    return any(e.joint in swinging for e in candidate.effects)
+
+
 class Acceptance:
     """Holds fitted explanations against the log that they were found on."""
 
@@ -168,7 +175,7 @@ class Acceptance:
         if candidate.devices:
             # how a swing began is free, and its linear columns do not bear out its frequency
             return True
-        if candidate.everywhere and len(candidate.effects) < most_of(self.fitter.motion.n):
+        if candidate.everywhere and len(candidate.effects) < most_of(self.fitter.motion):
             # two joints with an offset are no sensor chain without its zero
             return False
         held_out = HeldOut(self.fitter, chosen, fit)
@@ -182,7 +189,9 @@ class Acceptance:
         worth = held_out.worth(place)
         if beyond and own(candidate, worth) <= 0.0:
             return False
-        if own(candidate, held_out.over_given(effects_of(chosen, place))) <= 0.0:
+        if not shaken(candidate, chosen) and (
+            own(candidate, held_out.over_given(effects_of(chosen, place))) <= 0.0
+        ):
             # the numbers as they were say as much: the name mends what the fit has made of them
             return False
         # what other numbers could say as well has their being unlikely to its credit

@@ -24,6 +24,7 @@ from irb2400_ctrl.diagnosis.estimation.evidence import (
     discrepancy_shares,
     law_gains,
 )
+from irb2400_ctrl.diagnosis.preparation.noise import rests
 from irb2400_ctrl.diagnosis.regressors.bases import RegressorColumns
 from irb2400_ctrl.effects import LIBRARY
 from irb2400_ctrl.effects.base import within
@@ -279,14 +280,17 @@ class Scan(LogColumns):
         return [int(place) for place in np.argsort(-gains)[:KEPT_GRID_POINTS]]
 
     def _everywhere(self, problem: Problem, kind: str) -> Candidate | None:
-        """One effect on every joint at once, with a size for each."""
+        """One effect on every joint at once, with a size for each that moves."""
         n = self.motion.n
         law = everywhere([self.laws[kind, j + 1][1][0] for j in range(n)], n)
         score = problem.score(law)
-        effects = [plausible(kind, j + 1, score.coefficients[j : j + 1], {}) for j in range(n)]
+        effects = [
+            plausible(kind, j + 1, score.coefficients[j : j + 1], {}) if moves else None
+            for j, moves in enumerate(~rests(self.motion.row_known))
+        ]
         # a joint that does not show it may come out slightly negative
         present = tuple(e for e in effects if e is not None)
-        if len(present) < most_of(n):
+        if len(present) < most_of(self.motion):
             return None
         # one joint alone is the simpler story unless several clearly show it
         score = replace(score, gain=score.gain - EVERYWHERE_PENALTY)

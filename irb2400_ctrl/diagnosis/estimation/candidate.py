@@ -11,9 +11,11 @@ import numpy.typing as npt
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.diagnosis.estimation.evidence import Score
+from irb2400_ctrl.diagnosis.preparation.noise import rests
 from irb2400_ctrl.diagnosis.regressors.bases import RegressorColumns
 from irb2400_ctrl.effects import LIBRARY, Effect
 from irb2400_ctrl.effects.prior import Nested
+from irb2400_ctrl.measurement.prepared_log import PreparedLog
 
 EVERY_JOINT = "of every joint"
 """in the name of effects of one kind, one on each joint, with a size each"""
@@ -134,9 +136,10 @@ class Point:
         return LIBRARY[self.kind].search.device
 
 
-def most_of(n: int) -> int:
-    """Of n joints, so many at least (half) have what is one effect on every joint."""
-    return max(2, (n + 1) // 2)
+def most_of(motion: PreparedLog) -> int:
+    """So many joints at least (half of those that move) have what is one effect on every joint."""
+    moving = int(np.sum(~rests(motion.row_known)))
+    return max(2, (moving + 1) // 2)
 
 
 def plausible(
