@@ -13,6 +13,10 @@ from irb2400_ctrl.diagnosis.body_estimates import BodyEstimates
 from irb2400_ctrl.diagnosis.lists import FindingList
 from irb2400_ctrl.effects import Effect
 
+ASIDE = 0.2
+"""share of an effect that is more than a change of strength of the stated one: another phase of a
+ripple, another sign"""
+
 
 @dataclass(frozen=True)
 class Curve:
@@ -80,13 +84,16 @@ class Finding:
         """What it is, or how much weaker or stronger than the file states, in plain words."""
         if self.stated is None:
             return self.effect.sentence
-        sizes = [float(np.linalg.norm(one.coefficients())) for one in (self.effect, self.stated)]
-        same = np.dot(self.effect.coefficients(), self.stated.coefficients()) > 0.0
-        share = 100.0 * sizes[0] / max(sizes[1], 1e-12)
-        return (
-            f"the {self.stated.kind} that the file states is {share:.0f} % "
-            f"{'stronger' if same else 'weaker'} than it says"
-        )
+        own = np.array(self.effect.coefficients(), dtype=float)
+        there = np.array(self.stated.coefficients(), dtype=float)
+        share = float(own @ there) / max(float(there @ there), 1e-12)
+        which = f"the {self.stated.kind} that the file states"
+        if np.linalg.norm(own - share * there) > ASIDE * np.linalg.norm(own):
+            return f"{which} is not as it says: something else of its kind adds to it"
+        if share < -1.0 - ASIDE:
+            return f"{which} acts the other way round"
+        size = f"{min(abs(100.0 * share), 100.0) if share < 0.0 else 100.0 * share:.0f} %"
+        return f"{which} is {size} {'stronger' if share > 0.0 else 'weaker'} than it says"
 
     @property
     def splits(self) -> str:

@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 from independent_plant import Case
 
-from irb2400_ctrl.diagnosis import diagnose
+from irb2400_ctrl.diagnosis import Curve, Finding, diagnose
 from irb2400_ctrl.diagnosis.estimation.effect_parameters import changed_of, parameters_of
+from irb2400_ctrl.effects import Effect
 from irb2400_ctrl.effects.balancer import Balancer
 from irb2400_ctrl.effects.gear_ripple import GearRipple
 from irb2400_ctrl.measurement import Log
@@ -45,3 +46,34 @@ def test_what_keeps_the_shape_of_a_stated_effect_is_a_change_of_it() -> None:
     assert len(parameters_of(other, 0, [STATED])) == 4
     ripple = GearRipple(joint=2, amplitude_Nm=1.0, order=20.0)
     assert changed_of(ripple, [STATED, ripple.model_copy(update={"joint": 3})]) is None
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        (-180.0, "is 30 % weaker than it says"),
+        (90.0, "is 15 % stronger than it says"),
+        (-605.0, "is 100 % weaker than it says"),
+        (-900.0, "acts the other way round"),
+    ],
+)
+def test_a_change_of_strength_in_words(change: float, said: str) -> None:
+    weaker = STATED.model_copy(update={"torque_Nm": change})
+    assert told(weaker, STATED) == f"the balancer that the file states {said}"
+
+
+def test_another_phase_is_no_other_strength() -> None:
+    stated = GearRipple(joint=2, amplitude_Nm=1.0, order=20.0, phase_rad=0.3)
+    beside = stated.model_copy(update={"phase_rad": 1.8})
+    said = "the gear_ripple that the file states"
+    assert (
+        told(beside, stated) == f"{said} is not as it says: something else of its kind adds to it"
+    )
+    assert told(stated, stated) == f"{said} is 100 % stronger than it says"
+    assert told(stated, None) == stated.sentence
+
+
+def told(effect: Effect, stated: Effect | None) -> str:
+    curve = Curve(2, "q", "rad", *[np.zeros(1)] * 5)
+    finding = Finding(effect, {}, 0.9, (), 1.0, 1.0, np.ones(6), curve, "special", stated=stated)
+    return finding.says
