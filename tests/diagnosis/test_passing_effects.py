@@ -131,11 +131,17 @@ def test_where_nothing_is_left_nothing_comes_and_goes() -> None:
     assert windowing._look(point) is None
 
 
-def test_no_clock_runs_late_for_a_moment() -> None:
-    """Channels that held their values for 0.12 s were all torques 57 ms late."""
+@pytest.mark.parametrize("kind", ["time_delay", "base_tilt", "payload"])
+def test_only_what_comes_and_goes_acts_for_a_moment(kind: str) -> None:
+    """Channels that held their values for 0.12 s were all torques 57 ms late, or a base that
+    tilts."""
     windowing: Any = Windowing.__new__(Windowing)
-    delay = Point("time_delay", None, {})
-    assert windowing._acting(delay, ((18.03, 18.15),)) is None
-    # what lasts is looked at
-    with pytest.raises(AttributeError, match="scan"):
-        windowing._acting(delay, ((4.0, OPEN_END_S),))
+    law = Point(kind, None, {})
+    assert windowing._acting(law, ((18.03, 18.15),)) is None
+    # what lasts is looked at, and a push however short
+    for point, windows in (
+        (law, ((4.0, OPEN_END_S),)),
+        (Point("process_force", None, {}), ((18.03, 18.15),)),
+    ):
+        with pytest.raises(AttributeError, match="scan"):
+            windowing._acting(point, windows)

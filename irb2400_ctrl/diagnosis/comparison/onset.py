@@ -100,8 +100,9 @@ class Windowing:
 
     def _acting(self, law: Point, windows: Windows) -> Candidate | None:
         """An effect acting in these windows only, if it is plausible there; their choice is paid
-        for. A clock does not run late for a moment: channels that hold a value do."""
-        if LIBRARY[law.kind].chain == "clock" and _lasting(windows) < BRIEF:
+        for. Nothing but what comes and goes acts for a moment: channels that held their values for
+        0.12 s were all torques late, or a base that tilts."""
+        if not LIBRARY[law.kind].search.comes_and_goes and _lasting(windows) < BRIEF:
             return None
         columns = self._columns(law, windows)
         # how an effect with memory began is told by its window
