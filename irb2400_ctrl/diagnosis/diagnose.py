@@ -18,6 +18,7 @@ from irb2400_ctrl.diagnosis.comparison.scan import Scan
 from irb2400_ctrl.diagnosis.comparison.selection import Selection
 from irb2400_ctrl.diagnosis.comparison.step import Step, of_the_whole_arm
 from irb2400_ctrl.diagnosis.diagnosis import Comparison, Diagnosis
+from irb2400_ctrl.diagnosis.estimation.effect_parameters import of_changing_strength
 from irb2400_ctrl.diagnosis.estimation.fit import Fit, Fitter
 from irb2400_ctrl.diagnosis.estimation.reversals import noisy_reversals_masked, reversal_rows
 from irb2400_ctrl.diagnosis.findings import findings_of, unexplained_of
@@ -134,9 +135,8 @@ def _searched(
     doubtful = doubtful_accelerations(bases.model, logs.used, motion)
     load = bases.model.inverse_dynamics(motion.q, motion.qd, motion.qdd, friction=False)
     contacts = contacts_of(bases, motion, load)
-    dry = prior.dry_friction()
-    resting = Resting.of(motion, load, numbers_of_robot, np.maximum(robot.friction[:, 0], dry))
-    turning = sticking_contacts(bases, motion, dry, contacts)
+    resting = Resting.of(motion, robot, predicted_torque(robot, motion, bases), numbers_of_robot)
+    turning = sticking_contacts(bases, motion, prior.dry_friction(), contacts)
     Z = motion.filtered(np.concatenate([numbers_of_robot, doubtful, resting.columns, turning], 2))
     progress("scan")
     reversal = reversal_rows(motion)
@@ -144,7 +144,7 @@ def _searched(
     base = Z[:, :, : -turning.shape[2]]
     first = Fitter(robot, bases, motion, base, reversal, own, holds=resting.holds).fit([])
     motion = noisy_reversals_masked(motion, bases, first, reversal, contacts)
-    scan = Scan(bases, motion, load, contacts, robot.effects)
+    scan = Scan(bases, motion, load, contacts, of_changing_strength(robot.effects))
     plain = PlainNumbers(prior, motion.recorded_rows(numbers_of_robot), motion.at_rows(motion.qd))
     fitter = Fitter(robot, bases, motion, Z, reversal, own, plain, resting.holds)
     selection = Selection(scan, fitter, criteria)

@@ -72,7 +72,7 @@ def findings_of(
                     ),
                     # how a transmission swings on unseen rows nobody knows
                     validation_gain=None if step.candidate.devices else _gain(step, effect, joint),
-                    stated=changed_of(effect, fitter.robot.effects),
+                    stated=changed_of(effect, fitter.stated),
                 )
             )
             place += 1

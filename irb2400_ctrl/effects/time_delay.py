@@ -94,11 +94,13 @@ class TimeDelay(Effect):
     @property
     def unlikely(self) -> bool:
         # time stamps of a stream are no truer than a part of its period; a torque held from sample
-        # to sample, and friction at reversals, make it look a little ahead of its motion
-        if self.joint is None:
-            return -0.003 < self.delay_s < 0.0007
-        # no angle is recorded ahead of its time, nor one joint's torque: its angle would be late
-        return self.delay_s < (0.003 if self.of_angle else 0.0015)
+        # to sample, and friction at reversals, make it look a little ahead of its motion, a single
+        # joint more than the whole arm
+        least = 0.0007 if self.joint is None else 0.0015
+        if self.of_angle:
+            # no angle is recorded ahead of its time
+            return self.delay_s < 0.003
+        return -0.003 < self.delay_s < least
 
     @classmethod
     def joints(cls, n: int) -> Sequence[int | None]:

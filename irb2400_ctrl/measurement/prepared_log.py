@@ -35,13 +35,10 @@ UNEVEN = (
     "the angles jump in time as where a host reads some samples twice and misses others: "
     "accelerations come from the recorded speed, which is calmer"
 )
-NO_COMMAND = (
-    "no commanded motion (q_ref): speeds and accelerations come from the measured angles and carry "
-    "their noise; record it where the controller has it"
-)
+NO_COMMAND = "no commanded motion (q_ref): speeds and accelerations carry the noise of the angles"
 OTHER_MOTION = (
-    "the measured motion is not the commanded one (q_ref) behind a servo: speeds and accelerations "
-    "come from the measured angles and carry their noise"
+    "not as commanded (q_ref), behind a servo: joint {joints}; their speeds and accelerations "
+    "carry the noise of the angles"
 )
 LEFT_OF_NOISE = 1.0
 """smoothed over unsmoothed rms below which a difference is noise, at 250 Hz (white noise: 0.4)"""
@@ -130,7 +127,10 @@ class PreparedLog:
     @property
     def from_measured(self) -> tuple[str, ...]:
         """Why speeds and accelerations carry the noise of measured angles, where they do."""
-        return () if self.instrumented else (OTHER_MOTION if self.commanded else NO_COMMAND,)
+        if self.instrumented or not self.commanded:
+            return () if self.instrumented else (NO_COMMAND,)
+        joints = ", joint ".join(str(j + 1) for j in np.flatnonzero(self.follow_error == 0.0))
+        return (OTHER_MOTION.format(joints=joints),)
 
     @property
     def remarks(self) -> tuple[str, ...]:

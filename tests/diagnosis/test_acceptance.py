@@ -13,7 +13,7 @@ from irb2400_ctrl.diagnosis.comparison.acceptance import Acceptance, stands_clea
 from irb2400_ctrl.diagnosis.comparison.comparison import Alternative
 from irb2400_ctrl.diagnosis.comparison.criteria import Criteria
 from irb2400_ctrl.diagnosis.comparison.step import Step
-from irb2400_ctrl.diagnosis.estimation.candidate import Candidate, most_of
+from irb2400_ctrl.diagnosis.estimation.candidate import Candidate
 from irb2400_ctrl.diagnosis.estimation.effect_parameters import parameters_of
 from irb2400_ctrl.diagnosis.estimation.evidence import Score
 from irb2400_ctrl.diagnosis.estimation.held_out import FOLDS, HeldOut, Worth, folds
@@ -247,38 +247,6 @@ def test_what_is_on_every_joint_is_on_most_of_them() -> None:
             alone=np.full(len(joints), 0.1),
         )
         assert judged(every, [1.0] * 6, fit=fit, n=6) == borne
-
-
-def test_of_joints_that_rest_nothing_is_asked() -> None:
-    """Three of seven joints moved, and each rotor had to come by itself."""
-    known = np.ones((50, 7), dtype=bool)
-    motion: Any = SimpleNamespace(row_known=known)
-    assert most_of(motion) == 4
-    known[:, 2:6] = False
-    assert most_of(motion) == 2
-
-
-def test_beside_a_swing_the_numbers_as_given_are_no_rival() -> None:
-    """A ripple of 730 nats fell beside an elastic joint of 24, whose swing no file tells: a delay
-    of 36 ms came in its place."""
-    spring = LIBRARY["elastic_joint"].of(2, stiffness_Nm_rad=400.0, damping_ratio=0.05)
-    offset = LIBRARY["torque_offset"].of(2, offset_Nm=3.0)
-
-    def candidate(effect: Any, *devices: Any) -> Any:
-        return SimpleNamespace(
-            known=True,
-            everywhere=False,
-            devices=frozenset(devices),
-            effects=(effect,),
-            joint=effect.joint,
-        )
-
-    own = candidate(offset)
-    assert not judged(own, [0.0, 5.0, 0.0], over_given=-1.0)
-    swings = candidate(spring, ("transmission", 2))
-    assert judged(own, [0.0, 5.0, 0.0], over_given=-1.0, beside=swings)
-    elsewhere = candidate(spring.model_copy(update={"joint": 3}), ("transmission", 3))
-    assert not judged(own, [0.0, 5.0, 0.0], over_given=-1.0, beside=elsewhere)
 
 
 @pytest.mark.parametrize("seconds", [3.0, 40.0])

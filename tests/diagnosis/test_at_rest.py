@@ -4,6 +4,7 @@ holds."""
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -15,11 +16,12 @@ from irb2400_ctrl.diagnosis.at_rest import worse_at_rest
 from irb2400_ctrl.diagnosis.estimation.posterior import posterior
 from irb2400_ctrl.diagnosis.preparation.noise import HELD, NoiseModel
 from irb2400_ctrl.diagnosis.preparation.resting import Resting
+from irb2400_ctrl.diagnosis.regressors.predict import predicted_torque
+from irb2400_ctrl.effects.torque_offset import TorqueOffset
 from irb2400_ctrl.measurement import Log
 from irb2400_ctrl.measurement.prepared_log import PreparedLog, prepare
-from irb2400_ctrl.model import Model
 from irb2400_ctrl.report.pages.diagnosis_page import AT_REST, verdict_sentence
-from irb2400_ctrl.robot import load_robot
+from irb2400_ctrl.robot import Robot, load_robot
 
 ROBOT = load_robot("irb2400")
 
@@ -112,10 +114,9 @@ def still() -> PreparedLog:
     return prepare(Log(seen.time, seen.q, seen.tau, q_ref=seen.q_ref))
 
 
-def resting(motion: PreparedLog, tau: Array) -> Resting:
-    load = Model(ROBOT).inverse_dynamics(motion.q, motion.qd, motion.qdd, friction=False)
+def resting(motion: PreparedLog, tau: Array, robot: Robot = ROBOT) -> Resting:
     numbers = np.full((len(motion.time), motion.n, 1), 5.0)
-    return Resting.of(replace(motion, tau=tau), np.asarray(load), numbers, ROBOT.friction[:, 0])
+    return Resting.of(replace(motion, tau=tau), robot, predicted_torque(robot, motion), numbers)
 
 
 def test_a_joint_under_its_brake_is_no_witness(still: PreparedLog) -> None:
@@ -132,3 +133,35 @@ def test_a_joint_under_its_brake_is_no_witness(still: PreparedLog) -> None:
     assert found.columns.shape[2] == 0
     assert len(found.remarks) == 1
     assert found.remarks[0].startswith("joint 2 rests, and its torque is not what holds the arm")
+
+
+def test_effects_of_the_file_hold_a_joint_too(still: PreparedLog) -> None:
+    offset = ROBOT.with_effects(TorqueOffset(joint=2, offset_Nm=400.0))
+    assert len(resting(still, still.tau, offset).remarks) == 1
+    lifted = still.tau + 400.0 * (np.arange(6) == 1)
+    assert np.isfinite(resting(still, lifted, offset).holds[1])
+
+
+def test_without_stated_friction_a_joint_is_no_witness(still: PreparedLog) -> None:
+    """Its unknown friction took the torque: 22,842 Nm s/rad on a sound arm."""
+    found = resting(still, still.tau, ROBOT.with_unknown_friction([4]))
+    assert np.flatnonzero(np.isfinite(found.holds)).tolist() == [1]
+    assert not found.remarks
+
+
+def test_the_witnesses_reach_the_fit(monkeypatch: pytest.MonkeyPatch) -> None:
+    seen = Case(80, duration=8.0, validation_duration=3.0, idle=(2, 4)).simulate()[0]
+    bound: list[Array] = []
+    kept = NoiseModel.of
+
+    def of(motion: PreparedLog, reversal: Any, wander: Array, holds: Any = None) -> NoiseModel:
+        bound.append(holds)
+        return kept(motion, reversal, wander, holds)
+
+    monkeypatch.setattr(NoiseModel, "of", of)
+    found = diagnose(ROBOT, Log(seen.time, seen.q, seen.tau, q_ref=seen.q_ref))
+    assert found.not_excited == (2, 4)
+    assert len(bound) == 2
+    for holds in bound:
+        np.testing.assert_allclose(holds[[1, 3]], ROBOT.friction[[1, 3], 0])
+    assert abs(found.robot.friction[3, 2] / ROBOT.friction[3, 2] - 1.0) < 0.2

@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 
 from irb2400_ctrl.diagnosis.comparison.onset import Windowing, _worth_their_edges
-from irb2400_ctrl.diagnosis.estimation.candidate import Point
 from irb2400_ctrl.diagnosis.estimation.evidence import Problem
 from irb2400_ctrl.diagnosis.estimation.held_out import FOLDS, HeldOut, folds
 from irb2400_ctrl.diagnosis.preparation.noise import Noise
@@ -129,19 +128,3 @@ def test_where_nothing_is_left_nothing_comes_and_goes() -> None:
     point: Any = SimpleNamespace(kind="process_force", joint=None, nonlinear={}, device="")
     assert windowing._on_and_off(point) == []
     assert windowing._look(point) is None
-
-
-@pytest.mark.parametrize("kind", ["time_delay", "base_tilt", "payload"])
-def test_only_what_comes_and_goes_acts_for_a_moment(kind: str) -> None:
-    """Channels that held their values for 0.12 s were all torques 57 ms late, or a base that
-    tilts."""
-    windowing: Any = Windowing.__new__(Windowing)
-    law = Point(kind, None, {})
-    assert windowing._acting(law, ((18.03, 18.15),)) is None
-    # what lasts is looked at, and a push however short
-    for point, windows in (
-        (law, ((4.0, OPEN_END_S),)),
-        (Point("process_force", None, {}), ((18.03, 18.15),)),
-    ):
-        with pytest.raises(AttributeError, match="scan"):
-            windowing._acting(point, windows)

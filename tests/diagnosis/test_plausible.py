@@ -20,8 +20,6 @@ from irb2400_ctrl.effects import LIBRARY
         (None, -0.004, True),
         (1, 0.001, False),
         (1, 0.003, True),
-        # no torque of one joint is told before it was there: two were, 28 and 33 ms, on sound arms
-        (1, -0.033, False),
     ],
 )
 def test_a_delay_below_the_truth_of_the_time_stamps_is_not_named(

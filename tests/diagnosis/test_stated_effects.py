@@ -8,8 +8,12 @@ import pytest
 from independent_plant import Case
 
 from irb2400_ctrl.diagnosis import Curve, Finding, diagnose
-from irb2400_ctrl.diagnosis.estimation.effect_parameters import changed_of, parameters_of
-from irb2400_ctrl.effects import Effect
+from irb2400_ctrl.diagnosis.estimation.effect_parameters import (
+    changed_of,
+    of_changing_strength,
+    parameters_of,
+)
+from irb2400_ctrl.effects import LIBRARY, Effect
 from irb2400_ctrl.effects.balancer import Balancer
 from irb2400_ctrl.effects.gear_ripple import GearRipple
 from irb2400_ctrl.measurement import Log
@@ -60,6 +64,23 @@ def test_what_keeps_the_shape_of_a_stated_effect_is_a_change_of_it() -> None:
 def test_a_change_of_strength_in_words(change: float, said: str) -> None:
     weaker = STATED.model_copy(update={"torque_Nm": change})
     assert told(weaker, STATED) == f"the balancer that the file states {said}"
+
+
+def test_what_a_file_has_twice_is_one_strength() -> None:
+    """A diagnosis saves the change beside the effect."""
+    weaker = STATED.model_copy(update={"torque_Nm": -180.0})
+    (one,) = of_changing_strength([STATED, weaker])
+    assert one.torque_Nm == pytest.approx(420.0)  # type: ignore[attr-defined]
+    for other in (
+        STATED.model_copy(update={"windows_s": ((0.0, 5.0),)}),
+        STATED.model_copy(update={"torque_Nm": 0.0}),
+        LIBRARY["time_delay"].of(2, delay_s=0.01),
+        LIBRARY["elastic_joint"].of(2, stiffness_Nm_rad=1e5, damping_ratio=0.05),
+        LIBRARY["payload"].of(None, mass_kg=2.0),
+    ):
+        assert of_changing_strength([other]) == ()
+    late = STATED.model_copy(update={"windows_s": ((12.0, 1e9),)})
+    assert changed_of(late, [STATED]) is None
 
 
 def test_another_phase_is_no_other_strength() -> None:

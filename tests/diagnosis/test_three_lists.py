@@ -168,7 +168,7 @@ def test_links_of_one_number_are_listed_as_joints_are() -> None:
     numbers = [number(f"link {k}", "com_y_m", 0.1, 0.2) for k in (1, 2, 10)]
     numbers.append(number("tool", "com_y_m", 0.1, 0.2))
     (line,) = number_lines(numbers)
-    assert line == "centre of mass y [m] of links 1, 2 and 10 and tool: moved by 0.100 to 0.100"
+    assert line == "centre of mass y [m] of links 1, 2 and 10 and tool: moved by 0.100"
 
 
 def test_a_change_of_next_to_nothing_is_no_per_cent() -> None:

@@ -141,7 +141,7 @@ def test_it_is_said_why_the_motion_is_the_measured_one() -> None:
     assert said.startswith("no commanded motion (q_ref)")
     other = replace(log, q_ref=angles(STAMPS)[:, ::-1])
     (said,) = prepare(other).from_measured
-    assert said.startswith("the measured motion is not the commanded one (q_ref)")
+    assert said.startswith("not as commanded (q_ref), behind a servo: joint 1; ")
 
 
 def test_an_arm_that_rests_has_no_speed_to_compare() -> None:

@@ -19,6 +19,7 @@ from irb2400_ctrl.diagnosis.estimation.held_out import HeldOut, Worth
 from irb2400_ctrl.diagnosis.regressors.bases import RegressorColumns
 from irb2400_ctrl.effects import Effect
 from irb2400_ctrl.effects.added_body import REACH, AddedBody
+from irb2400_ctrl.effects.time_delay import TimeDelay
 from irb2400_ctrl.robot import Robot
 
 OWN_SIZES = 0.1
@@ -28,6 +29,8 @@ STANDARD_ERRORS = 3.0
 """that some size of an effect stands away from nothing"""
 QUICKEST = 0.5
 """of the shortest time constant of a grid that a search may lead to"""
+AHEAD = 0.0015
+"""[s] that the torque of one joint may be told before it was there, by the truth of time stamps"""
 INFLATION = 1.5
 """standard errors from the noise alone cover too little: the model's own imperfection adds to
 them. Those of what other numbers of the robot could say as well come from the spreads of these"""
@@ -109,6 +112,15 @@ def can_be_taken_off(robot: Robot, effect: Effect) -> bool:
     return sum(masses) + sum(e.mass_kg for e in added) + effect.mass_kg > 0.0
 
 
+def in_time(robot: Robot, effect: Effect) -> bool:
+    """Whether the torque of one joint is not told before it was there, with the delay that the file
+    states: its angle would be late."""
+    if not isinstance(effect, TimeDelay) or effect.joint is None or effect.of_angle:
+        return True
+    stated = [e for e in robot.effects if isinstance(e, TimeDelay) and e.joint == effect.joint]
+    return effect.delay_s + sum(e.delay_s for e in stated if not e.of_angle) > -AHEAD
+
+
 def own(candidate: Candidate, worth: Worth) -> float:
     """What an explanation is worth where it sits, of the whole arm on all joints together: there
     one of them may be worse as long as another effect of its own is not found yet. A wrong angle
@@ -169,7 +181,8 @@ class Acceptance:
         fitted = [fit.effects[k] for k in effects_of(chosen, place)]
         robot = self.fitter.robot
         if not all(
-            usual(e) and can_be_taken_off(robot, e) and within_reach(robot, e) for e in fitted
+            usual(e) and can_be_taken_off(robot, e) and within_reach(robot, e) and in_time(robot, e)
+            for e in fitted
         ):
             return False
         if candidate.devices:

@@ -38,7 +38,7 @@ class LogColumns:
             bases: of the robot; motion: the log, prepared.
             load: torque of the arm without friction, shape (m, n) [Nm].
             contacts: over which angle the friction of this arm turns over.
-            stated: effects that the robot's file has: of each the strength may have changed.
+            stated: effects of the robot's file of which the strength may have changed.
         """
         self.stated = stated
         self.contacts = contacts
@@ -89,7 +89,8 @@ class LogColumns:
                 and self.contacts.are_narrower(effect, joint, g)
                 and all(g[name] < span for name in effect.prior.time_constants)
             ]
-            grid = self.stated_points(kind, joint) + grid
+            stated = self.stated_points(kind, joint)
+            grid = stated + [g for g in grid if g not in stated]
             if effect.states:
                 columns, self.remembering[kind, joint] = self.bases.with_beginnings(
                     kind, joint, self.motion, grid, own=True
@@ -101,8 +102,7 @@ class LogColumns:
 
     def stated_points(self, kind: str, joint: int | None) -> list[dict[str, float]]:
         """Where in a family the effects of the robot's file are."""
-        found = [e.nonlinear for e in self.stated if (e.kind, e.joint) == (kind, joint)]
-        return [point for point in found if point]
+        return [e.nonlinear for e in self.stated if (e.kind, e.joint) == (kind, joint)]
 
     @cached_property
     def non_parametric(self) -> dict[int, list[NonParametricLaw]]:

@@ -100,10 +100,7 @@ class Windowing:
 
     def _acting(self, law: Point, windows: Windows) -> Candidate | None:
         """An effect acting in these windows only, if it is plausible there; their choice is paid
-        for. Nothing but what comes and goes acts for a moment: channels that held their values for
-        0.12 s were all torques late, or a base that tilts."""
-        if not LIBRARY[law.kind].search.comes_and_goes and _lasting(windows) < BRIEF:
-            return None
+        for."""
         columns = self._columns(law, windows)
         # how an effect with memory began is told by its window
         extra = None if LIBRARY[law.kind].states else self._columns(law, windows, discrepancy=True)

@@ -29,7 +29,7 @@ def parameters_of(effect: Effect, place: int, stated: Sequence[Effect] = ()) -> 
 
     Args:
         effect: of the model; place: its number among them.
-        stated: effects of the robot's file; what changes one of them keeps its shape.
+        stated: of `of_changing_strength`; what changes one of them keeps its shape.
     """
     found = []
     # those of effects with memory come from a search that also moves the record's beginning
@@ -49,11 +49,28 @@ def parameters_of(effect: Effect, place: int, stated: Sequence[Effect] = ()) -> 
     return found
 
 
+def of_changing_strength(effects: Sequence[Effect]) -> tuple[Effect, ...]:
+    """The effects of a file of which a log may show another strength at the same shape: torques
+    whose shape is in their numbers, without memory, acting always. Those of one shape on one joint
+    are one."""
+    sums: dict[tuple[object, ...], tuple[Effect, Array]] = {}
+    for e in effects:
+        if e.chain == "torque" and e.nonlinear and not e.states and not e.windows_s:
+            key = (e.kind, e.joint, *sorted(e.nonlinear.items()))
+            _, before = sums.get(key, (e, np.zeros(1)))
+            sums[key] = e, before + np.array(e.coefficients(), dtype=float)
+    return tuple(
+        type(e).from_coefficients(e.joint, whole.tolist(), e.nonlinear)
+        for e, whole in sums.values()
+        if np.any(whole)
+    )
+
+
 def changed_of(effect: Effect, stated: Sequence[Effect]) -> Effect | None:
-    """The one of the robot's file of which an effect is a change of strength, if any is."""
+    """The one of `of_changing_strength` of which an effect is a change, if any is."""
     for one in stated:
         same = (one.kind, one.joint) == (effect.kind, effect.joint)
-        if same and one.nonlinear and one.nonlinear == effect.nonlinear:
+        if same and one.nonlinear == effect.nonlinear and not effect.windows_s:
             return one
     return None
 

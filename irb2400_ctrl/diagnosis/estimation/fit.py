@@ -18,6 +18,7 @@ from irb2400_ctrl.diagnosis.estimation.effect_parameters import (
     Parameter,
     alone,
     moved,
+    of_changing_strength,
     parameters_of,
     value_of,
     with_value,
@@ -89,8 +90,7 @@ class Fitter:
         """Fits with base columns Z (rows, n, k).
 
         Args:
-            own: how many of them, the first, are numbers of the robot, which the others say nothing
-                about; default all.
+            own: how many, the first, are numbers of the robot (others tell nothing of it).
             plain: these at the instants of the rows, not filtered; only `HeldOut` needs them.
             holds: what dry friction holds of a joint that rests, shape (n,) [Nm].
         """
@@ -101,6 +101,7 @@ class Fitter:
         self.noise = NoiseModel.of(motion, reversal, robot.usually_left, holds)
         self.own = Z.shape[2] if own is None else own
         self.plain = plain
+        self.stated = of_changing_strength(robot.effects)
         self.widened = 1.0  # times further off than stated that the robot's numbers may be
         self._cache: dict[tuple[object, ...], Array] = {}
         self._fits: list[tuple[tuple[Candidate, ...], Fit]] = []
@@ -257,7 +258,7 @@ class Fitter:
         for place, effect in enumerate(bare):
             torque = self._torque(effect)
             size = max(float(np.sqrt(np.mean(torque**2))), 1e-9)
-            for parameter in parameters_of(effect, place, self.robot.effects):
+            for parameter in parameters_of(effect, place, self.stated):
                 slope = self.slope(effect, parameter)
                 slope += moves * slope_of_shown(effect, parameter, self.motion)
                 scale = 3.0 * size / max(float(np.sqrt(np.mean(slope**2))), 1e-12)
@@ -315,9 +316,8 @@ class Fitter:
         """d torque / d parameter by central differences, shape (rows, n)."""
         value = value_of(effect, parameter)
         step = 1e-4 * max(abs(value), 1e-2)
-        up = with_value(effect, parameter, value + step)
-        down = with_value(effect, parameter, value - step)
-        torques = (self._torque(there, filtered) for there in (up, down))
+        ends = (with_value(effect, parameter, value + side * step) for side in (1, -1))
+        torques = (self._torque(there, filtered) for there in ends)
         return np.asarray(np.subtract(*torques) / (2 * step))
 
     def _discrepancy(self, effect: Effect) -> tuple[Array, Array]:
@@ -328,9 +328,9 @@ class Fitter:
         everywhere = tuple(range(self.motion.n))
         law = RegressorColumns(everywhere, self.placed(effect))
         departures = RegressorColumns(everywhere, placed)
-        size = np.array(effect.coefficients())
         # wider than in the competition, so that they do not come out too small
-        return placed, 1.5 * discrepancy_unit(law, size, departures, shares)
+        sizes = discrepancy_unit(law, np.array(effect.coefficients()), departures, shares)
+        return placed, 1.5 * sizes
 
     def _non_parametric_columns(self, candidate: Candidate) -> Array:
         b = candidate.score.coefficients

@@ -14,6 +14,7 @@ import numpy as np
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.diagnosis.preparation.noise import LEAST, rests
 from irb2400_ctrl.measurement.prepared_log import PreparedLog
+from irb2400_ctrl.robot import Robot
 
 BELIEVED = 3.0
 """standard deviations of a robot's numbers and of its friction, beyond which something else holds a
@@ -40,17 +41,19 @@ class Resting:
     remarks: tuple[str, ...]
 
     @classmethod
-    def of(cls, motion: PreparedLog, load: Array, numbers: Array, friction: Array) -> Resting:
+    def of(cls, motion: PreparedLog, robot: Robot, predicted: Array, numbers: Array) -> Resting:
         """Of one log.
 
         Args:
             motion: the log, prepared.
-            load: torque of the arm without friction, shape (m, n) [Nm].
+            robot: as its file has it; a joint of which it states no dry friction is no witness.
+            predicted: its torque along the motion, shape (m, n) [Nm].
             numbers: columns of the robot's numbers with unit priors, shape (m, n, k) [Nm].
-            friction: how much each joint may have at rest, shape (n,) [Nm].
         """
         resting = rests(motion.row_known) & (np.ptp(motion.tau, axis=0) > 0.0)
-        left = np.sqrt(np.mean((motion.tau - load) ** 2, axis=0))
+        resting &= robot.friction_stated[:, 1]
+        friction = np.maximum(robot.friction[:, 0], robot.friction[:, 1])
+        left = np.sqrt(np.mean((motion.tau - predicted) ** 2, axis=0))
         spread = np.sqrt(np.mean(np.sum(numbers**2, axis=2), axis=0))
         held = left < BELIEVED * np.hypot(friction, spread)
         holds = np.where(resting & held, np.maximum(friction, LEAST), np.inf)

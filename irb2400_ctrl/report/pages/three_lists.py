@@ -42,7 +42,7 @@ WORDS = {
     **{f"I{k}": f"inertia I{k} [kg m2]" for k in ("xx", "yy", "zz", "xy", "xz", "yz")},
 }
 """names of numbers for a reader"""
-SIGNED = ("com_x_m", "com_y_m", "com_z_m", "Ixy", "Ixz", "Iyz")
+SIGNED = ("com_x_m", "com_y_m", "com_z_m", "Ixy", "Ixz", "Iyz", "offset_Nm")
 """numbers whose zero says nothing: a centre of mass from -1.8 to -350 mm has no per cent"""
 MOST_LINES = 8
 """of numbers of one list that a terminal shows"""
@@ -128,10 +128,10 @@ def findings_of(diagnosis: Diagnosis, which: str) -> list[Entry]:
     found = list(diagnosis.findings)
     if diagnosis.before is not None:
         found += diagnosis.before.findings
-    by_kind: dict[str, list[Finding]] = {}
+    by_kind: dict[tuple[str, str], list[Finding]] = {}
     for finding in found:
         if finding.list == which:
-            by_kind.setdefault(finding.effect.kind, []).append(finding)
+            by_kind.setdefault((finding.effect.kind, finding.says), []).append(finding)
     entries = [
         Entry(tuple(sorted(group, key=lambda f: -float(np.max(f.share)))))
         for group in by_kind.values()
@@ -173,7 +173,8 @@ def _number_line(name: str, numbers: Sequence[Number]) -> str:
     where = _places([number.place for number in numbers])
     if name in SIGNED and None not in [number.before for number in numbers]:
         moves = [number.after - (number.before or 0.0) for number in numbers]
-        return f"{words} of {where}: moved by {show(min(moves))} to {show(max(moves))}"
+        ends = dict.fromkeys((show(min(moves)), show(max(moves))))
+        return f"{words} of {where}: moved by {' to '.join(ends)}"
     changes = [_change(number) for number in numbers]
     told = [change for change in changes if change is not None]
     if len(told) < len(changes):
