@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.diagnosis.preparation.resting import held_at_rest
 from irb2400_ctrl.robot import Robot
 
 WORSE_AT_REST = (
@@ -28,9 +29,5 @@ def worse_at_rest(
         before, after: rms torque error of the model as given and with all that was found, shape
             (n,) [Nm].
     """
-    return tuple(
-        j
-        for j in resting
-        if given.friction_stated[j - 1, 1]
-        and after[j - 1] - before[j - 1] > given.friction[j - 1, 0]
-    )
+    worse = after - before > held_at_rest(given)
+    return tuple(j for j in resting if worse[j - 1])

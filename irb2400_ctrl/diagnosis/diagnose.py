@@ -18,7 +18,6 @@ from irb2400_ctrl.diagnosis.comparison.scan import Scan
 from irb2400_ctrl.diagnosis.comparison.selection import Selection
 from irb2400_ctrl.diagnosis.comparison.step import Step, of_the_whole_arm
 from irb2400_ctrl.diagnosis.diagnosis import Comparison, Diagnosis
-from irb2400_ctrl.diagnosis.estimation.effect_parameters import of_changing_strength
 from irb2400_ctrl.diagnosis.estimation.fit import Fit, Fitter
 from irb2400_ctrl.diagnosis.estimation.reversals import noisy_reversals_masked, reversal_rows
 from irb2400_ctrl.diagnosis.findings import findings_of, unexplained_of
@@ -144,9 +143,9 @@ def _searched(
     base = Z[:, :, : -turning.shape[2]]
     first = Fitter(robot, bases, motion, base, reversal, own, holds=resting.holds).fit([])
     motion = noisy_reversals_masked(motion, bases, first, reversal, contacts)
-    scan = Scan(bases, motion, load, contacts, of_changing_strength(robot.effects))
     plain = PlainNumbers(prior, motion.recorded_rows(numbers_of_robot), motion.at_rows(motion.qd))
     fitter = Fitter(robot, bases, motion, Z, reversal, own, plain, resting.holds)
+    scan = Scan(bases, motion, load, contacts, fitter.stated)
     selection = Selection(scan, fitter, criteria)
     steps, fit = selection.run()
     progress("conclude")

@@ -86,14 +86,14 @@ class Finding:
             return self.effect.sentence
         own = np.array(self.effect.coefficients(), dtype=float)
         there = np.array(self.stated.coefficients(), dtype=float)
-        share = float(own @ there) / max(float(there @ there), 1e-12)
+        share = float(own @ there / (there @ there))
         which = f"the {self.stated.kind} that the file states"
         if np.linalg.norm(own - share * there) > ASIDE * np.linalg.norm(own):
             return f"{which} is not as it says: something else of its kind adds to it"
         if share < -1.0 - ASIDE:
             return f"{which} acts the other way round"
-        size = f"{min(abs(100.0 * share), 100.0) if share < 0.0 else 100.0 * share:.0f} %"
-        return f"{which} is {size} {'stronger' if share > 0.0 else 'weaker'} than it says"
+        size = 100.0 * abs(max(share, -1.0))
+        return f"{which} is {size:.0f} % {'stronger' if share > 0.0 else 'weaker'} than it says"
 
     @property
     def splits(self) -> str:

@@ -95,7 +95,7 @@ def joined(motions: Sequence[PreparedLog]) -> PreparedLog:
         time=np.concatenate([m.time + s for m, s in zip(motions, shifts, strict=True)]),
         **parts,
         instrumented=all(motion.instrumented for motion in motions),
-        commanded=all(motion.commanded for motion in motions),
+        disobeying=tuple(sorted({j for motion in motions for j in motion.disobeying})),
         held=tuple(dict.fromkeys(said for motion in motions for said in motion.held)),
         by_speed=any(motion.by_speed for motion in motions),
         follow_error=np.sqrt((weights * follow).sum(axis=0)),

@@ -35,10 +35,9 @@ UNEVEN = (
     "the angles jump in time as where a host reads some samples twice and misses others: "
     "accelerations come from the recorded speed, which is calmer"
 )
-NO_COMMAND = "no commanded motion (q_ref): speeds and accelerations carry the noise of the angles"
+NO_COMMAND = "no commanded motion (q_ref): speeds and accelerations carry the angles' noise"
 OTHER_MOTION = (
-    "not as commanded (q_ref), behind a servo: joint {joints}; their speeds and accelerations "
-    "carry the noise of the angles"
+    "not as commanded (q_ref): {joints}; speeds and accelerations carry the angles' noise"
 )
 LEFT_OF_NOISE = 1.0
 """smoothed over unsmoothed rms below which a difference is noise, at 250 Hz (white noise: 0.4)"""
@@ -105,8 +104,8 @@ class PreparedLog:
     by_speed: bool = False
     """whether the speed that it recorded stands in for differentiated angles (`recorded_speed`), in
     one of several logs at least"""
-    commanded: bool = False
-    """whether the log has the commanded motion, which the measured one need not follow"""
+    disobeying: tuple[int, ...] = ()
+    """joints (from 1) that do not move as commanded, where the log says how, behind a servo"""
 
     @property
     def parts(self) -> list[slice]:
@@ -127,10 +126,10 @@ class PreparedLog:
     @property
     def from_measured(self) -> tuple[str, ...]:
         """Why speeds and accelerations carry the noise of measured angles, where they do."""
-        if self.instrumented or not self.commanded:
-            return () if self.instrumented else (NO_COMMAND,)
-        joints = ", joint ".join(str(j + 1) for j in np.flatnonzero(self.follow_error == 0.0))
-        return (OTHER_MOTION.format(joints=joints),)
+        if self.instrumented:
+            return ()
+        joints = ", ".join(f"joint {j}" for j in self.disobeying)
+        return (OTHER_MOTION.format(joints=joints) if joints else NO_COMMAND,)
 
     @property
     def remarks(self) -> tuple[str, ...]:
@@ -193,7 +192,7 @@ def prepare(log: Log, rate: float | None = None) -> PreparedLog:
     """
     even = with_time_base(log)
     uniform = resample(even, rate)
-    q, instrumented = _motion(uniform, even)
+    q, instrumented, disobeying = _motion(uniform, even)
     parts, by_speed = _derived(q, instrumented, even, uniform)
     margin = derivative_margin(uniform.step)
     inside = slice(margin, len(q) - margin)
@@ -239,7 +238,7 @@ def prepare(log: Log, rate: float | None = None) -> PreparedLog:
         recorders=(recorder,),
         held=tuple(filter(None, released(log)[1:])),
         by_speed=by_speed,
-        commanded=log.q_ref is not None,
+        disobeying=disobeying,
     )
 
 
@@ -266,10 +265,11 @@ def _smeared(determined: Mask, reach: int) -> Mask:
     return found
 
 
-def _motion(log: UniformLog, recorded: Log) -> tuple[Array, bool]:
-    """Angles to build the regressors on, and whether all come from the commanded motion."""
+def _motion(log: UniformLog, recorded: Log) -> tuple[Array, bool, tuple[int, ...]]:
+    """Angles to build the regressors on, whether all come from the commanded motion, and the joints
+    (from 1) that do not follow it."""
     if log.q_ref is None:
-        return log.q, False
+        return log.q, False, ()
     ideal = followed(log)
     difference = log.q - ideal
     smooth = smoothed(difference, log.step)
@@ -282,7 +282,7 @@ def _motion(log: UniformLog, recorded: Log) -> tuple[Array, bool]:
     # the first samples have no history to be predicted from: blend from the measured angles
     ramp = np.clip(np.arange(len(ideal)) / start, 0.0, 1.0)[:, None]
     q = np.where(real, log.q, ideal + (1.0 - ramp) * difference)
-    return q, not real.any()
+    return q, not real.any(), tuple(int(j) + 1 for j in np.flatnonzero(real))
 
 
 def _left_of_noise(log: UniformLog, recorded: Log) -> float:

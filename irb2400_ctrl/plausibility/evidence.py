@@ -11,13 +11,14 @@ column. A reading of the log is judged by its evidence.
 from __future__ import annotations
 
 from collections.abc import Collection
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from scipy.optimize import lsq_linear
 
 from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.bounded import bounded_minimum
+from irb2400_ctrl.effects.balancer import Balancer
 from irb2400_ctrl.effects.rotor_inertia import RotorInertia
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.plausibility.rows import Rows
@@ -58,10 +59,6 @@ ABSURD = 1e4
 """a model's torque over the recorded one above which a reading is not worth a solution"""
 STILL = 0.1
 """largest weight of an instant at which the direction of a joint's dry friction is not known"""
-PATIENCE = 3
-"""times that as many may be on the wrong side of their bounds as before"""
-MOST_PIVOTS = 200
-"""guesses of what lies on its bound"""
 
 
 @dataclass(frozen=True)
@@ -98,28 +95,40 @@ class Account:
     numbers: Array
 
 
+@dataclass(eq=False)
 class Nominal:
-    """A robot's model as a yardstick for logs."""
+    """A robot's model as a yardstick for logs.
 
-    def __init__(self, robot: Robot, model: Model | None = None, rotors: bool = False) -> None:
-        """Nothing is worked out yet.
+    Args:
+        robot: as its file has it.
+        built: model of the same arm with whatever friction, where there is one already.
+        free_rotors: whether joints may have some that the file does not state.
+        unbalanced: model of the same arm without its balancers, where these may have any strength.
+    """
 
-        Args:
-            robot: as its file has it.
-            model: of the same arm with whatever friction, where there is one already.
-            rotors: whether joints may have some that the file does not state.
-        """
-        self.robot = robot
-        self.model = Model(robot) if model is None else model
-        self.free_rotors = rotors
+    robot: Robot
+    built: Model | None = None
+    free_rotors: bool = False
+    unbalanced: Model | None = None
+
+    @cached_property
+    def model(self) -> Model:
+        """Of the robot, built once."""
+        return Model(self.robot) if self.built is None else self.built
 
     def with_unknown_friction(self, of: Collection[int]) -> Nominal:
         """The same of an arm of which nothing is known of the friction of these joints (from 1)."""
-        return Nominal(self.robot.with_unknown_friction(of), self.model, self.free_rotors)
+        return replace(self, robot=self.robot.with_unknown_friction(of), built=self.model)
 
     def with_unknown_rotors(self) -> Nominal:
         """The same of an arm whose rotors nobody has stated."""
-        return Nominal(self.robot, self.model, rotors=True)
+        return replace(self, built=self.model, free_rotors=True)
+
+    def with_free_balancers(self) -> Nominal:
+        """The same of an arm whose balancers may have lost strength, or have more than stated."""
+        others = tuple(e for e in self.robot.effects if not isinstance(e, Balancer))
+        without = Model(self.robot.model_copy(update={"effects": others}))
+        return replace(self, built=self.model, unbalanced=without)
 
     @cached_property
     def spreads(self) -> Array:
@@ -138,19 +147,24 @@ class Nominal:
 
     @cached_property
     def least(self) -> Array:
-        """Lower bounds of delta in its spreads: no mass below zero, shape (10 n,)."""
+        """Lower bounds of delta in its spreads: no mass below zero, shape (10 n,); and of the
+        balancers' strength, where that is free: none turns over."""
         bounds = np.full((self.robot.n, 10), -np.inf)
         masses = np.maximum(self.robot.inertial_parameters[:, 0], 1e-3)
         spreads = self.spreads.reshape(-1, 10)[:, 0]
         np.divide(-masses, spreads, out=bounds[:, 0], where=spreads > 0.0)
-        return bounds.ravel()
+        return bounds.ravel() if self.unbalanced is None else np.append(bounds.ravel(), -1.0)
 
     def columns(self, rows: Rows) -> tuple[Array, Array]:
         """Nominal torque without friction (m, n) and its slopes per standard deviation of delta
-        (m, n, 10 n)."""
-        tau = self.model.inverse_dynamics(rows.q, rows.qd, rows.qdd, friction=False)
-        Y = self.model.regressor(rows.q, rows.qd, rows.qdd)
-        return np.asarray(tau), np.asarray(Y) * self.spreads
+        (m, n, 10 n), and per stated strength of the balancers, where that is free."""
+        motion = (rows.q, rows.qd, rows.qdd)
+        tau = np.asarray(self.model.inverse_dynamics(*motion, friction=False))
+        Y = np.asarray(self.model.regressor(*motion)) * self.spreads
+        if self.unbalanced is None:
+            return tau, Y
+        held = tau - np.asarray(self.unbalanced.inverse_dynamics(*motion, friction=False))
+        return tau, np.concatenate([Y, held[:, :, None]], axis=2)
 
     def explained(self, rows: Rows, columns: tuple[Array, Array], misfit: float = MISFIT) -> Fit:
         """The best account of the rows, and its evidence.
@@ -243,7 +257,7 @@ class Nominal:
         least = np.concatenate(
             [self.least, none_negative, np.full(X.shape[1] - k - 3 * n, -np.inf)]
         )
-        z = _bounded(A, X.T @ y.ravel(), least)
+        z = bounded_minimum(A, X.T @ y.ravel(), least)
         rest = (y.ravel() - X @ z).reshape(m, n)
         price = float(np.sum(rest**2) + z @ z)
         carried = rows.tau**2 + np.where(rows.still, dry**2, 0.0)
@@ -301,37 +315,6 @@ class Nominal:
 def _independent(rows: Rows) -> float:
     """Rows that each tell something."""
     return min(PER_SECOND * rows.seconds, MOST_ROWS)
-
-
-def _bounded(A: Array, b: Array, least: Array) -> Array:
-    """Minimum of z A z / 2 - b z with z >= least, A positive definite.
-
-    Which z lie on their bound is guessed and mended: all at once that are on the wrong side, and
-    one by one where that helps no more, which ends (Judice, Pires, A block principal pivoting
-    algorithm for large-scale strictly monotone linear complementarity problems, 1994).
-    """
-    free = np.ones(len(b), dtype=bool)
-    slack = 1e-12 * np.abs(b).max()
-    fewest = len(b) + 1
-    patience = PATIENCE
-    for _ in range(MOST_PIVOTS):
-        z = np.where(free, 0.0, least)
-        z[free] = np.linalg.solve(A[np.ix_(free, free)], b[free] - A[free] @ z)
-        wrong = np.where(free, z < least, A @ z - b < -slack)
-        count = int(wrong.sum())
-        if not count:
-            return np.asarray(z)
-        if count < fewest:
-            fewest = count
-            patience = PATIENCE
-        elif patience:
-            patience -= 1
-        else:
-            wrong[: np.flatnonzero(wrong)[-1]] = False
-        free ^= wrong
-    L = np.linalg.cholesky(A)
-    found = lsq_linear(L.T, np.linalg.solve(L, b), bounds=(least, np.inf), method="bvls")
-    return np.asarray(found.x)
 
 
 def _spread(mass: float, lever: float, inertia: float) -> Array:

@@ -70,7 +70,7 @@ def best_mounting(nominal: Nominal, rows: Rows) -> tuple[Fit, LogProblem] | None
     axis[k] = np.sign(fitted[k])
     fits = []
     for way, price in ((fitted, PRICE), (axis, 0.0)):
-        found = Nominal(turned(robot, size * way), rotors=nominal.free_rotors)
+        found = Nominal(turned(robot, size * way), free_rotors=nominal.free_rotors)
         fit = found.explained(rows, found.columns(rows))
         fits.append((replace(fit, cost=fit.cost + price), way))
     fit, way = min(fits, key=lambda pair: pair[0].cost)

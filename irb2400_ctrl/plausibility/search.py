@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.effects.balancer import Balancer
 from irb2400_ctrl.measurement.log import Log
 from irb2400_ctrl.plausibility.criteria import (
     FITS_PRICE,
@@ -64,6 +65,10 @@ ASKED = 12.0
 """twice the log evidence by which a log as labelled must ask for rotors that no file states"""
 BEYOND = 2.0
 """times its range that a joint may go through as it is read"""
+OTHER_STRENGTH = (
+    "the model explains the torques with another strength of the balancer that the file states "
+    "({joints}), not with that one; `irb2400 diagnose` says how much it has lost"
+)
 DELAYS = (-1.0, -0.5, -0.3, -0.2, -0.1, 0.1, 0.2, 0.3, 0.5, 1.0)
 """[s] shifts of the torques against the motion that are tried"""
 
@@ -100,6 +105,13 @@ def understand(robot: Robot, log: Log) -> Understanding | None:
     if unstated.explained(rows, columns).cost < nominal.explained(rows, columns).cost - ASKED:
         nominal = unstated
     found = _understood(nominal, log, rows)
+    balanced = [e.index + 1 for e in robot.effects if isinstance(e, Balancer)]
+    if balanced and not sound(found.labelled, robot.n):
+        # a gas spring loses its pressure: no column is wrong that fits with another strength
+        freed = _understood(nominal.with_free_balancers(), log, rows)
+        if sound(freed.labelled, robot.n):
+            joints = " and ".join(f"joint {j}" for j in sorted(set(balanced)))
+            return replace(freed, although=OTHER_STRENGTH.format(joints=joints))
     stated = robot.friction.any() and robot.identified is None
     if sound(found.labelled, robot.n) or not stated:
         return found

@@ -13,6 +13,7 @@ from independent_plant import Case
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.diagnosis import Diagnosis, diagnose
 from irb2400_ctrl.diagnosis.at_rest import worse_at_rest
+from irb2400_ctrl.diagnosis.estimation.fit import Fit, Fitter
 from irb2400_ctrl.diagnosis.estimation.posterior import posterior
 from irb2400_ctrl.diagnosis.preparation.noise import HELD, NoiseModel
 from irb2400_ctrl.diagnosis.preparation.resting import Resting
@@ -124,6 +125,10 @@ def test_a_joint_under_its_brake_is_no_witness(still: PreparedLog) -> None:
     assert np.flatnonzero(np.isfinite(sound.holds)).tolist() == [1, 3]
     np.testing.assert_allclose(sound.holds[[1, 3]], ROBOT.friction[[1, 3], 0])
     assert sound.columns.shape[2] == 2
+    for k, j in enumerate((1, 3)):
+        means = np.zeros((len(still.time), 6))
+        means[:, j] = ROBOT.friction[j, 0]
+        np.testing.assert_allclose(sound.columns[:, :, k], means)
     assert not sound.remarks
     braked = still.tau.copy()
     braked[:, 1] = 1000.0 + 0.1 * np.sin(still.time)
@@ -133,6 +138,13 @@ def test_a_joint_under_its_brake_is_no_witness(still: PreparedLog) -> None:
     assert found.columns.shape[2] == 0
     assert len(found.remarks) == 1
     assert found.remarks[0].startswith("joint 2 rests, and its torque is not what holds the arm")
+
+
+def test_a_remark_on_a_brake_reaches_the_reader() -> None:
+    seen = Case(80, duration=8.0, validation_duration=3.0, idle=(4,)).simulate()[0]
+    tau = seen.tau + np.array([0.0, 0.0, 0.0, 400.0, 0.0, 0.0])
+    found = diagnose(ROBOT, Log(seen.time, seen.q, tau, q_ref=seen.q_ref))
+    assert any(note.startswith("joint 4 rests, and its torque") for note in found.weak)
 
 
 def test_effects_of_the_file_hold_a_joint_too(still: PreparedLog) -> None:
@@ -159,9 +171,21 @@ def test_the_witnesses_reach_the_fit(monkeypatch: pytest.MonkeyPatch) -> None:
         return kept(motion, reversal, wander, holds)
 
     monkeypatch.setattr(NoiseModel, "of", of)
+    fitted: list[Array] = []
+    fits = Fitter.fit
+
+    def fit(self: Fitter, chosen: Any) -> Fit:
+        fitted.append(self.Z)
+        return fits(self, chosen)
+
+    monkeypatch.setattr(Fitter, "fit", fit)
     found = diagnose(ROBOT, Log(seen.time, seen.q, seen.tau, q_ref=seen.q_ref))
     assert found.not_excited == (2, 4)
     assert len(bound) == 2
     for holds in bound:
         np.testing.assert_allclose(holds[[1, 3]], ROBOT.friction[[1, 3], 0])
+    for Z in fitted:
+        for j in (1, 3):
+            means = np.isclose(Z[:, j], ROBOT.friction[j, 0]).all(axis=0)
+            assert means.sum() == 1
     assert abs(found.robot.friction[3, 2] / ROBOT.friction[3, 2] - 1.0) < 0.2

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from diagnosis.test_acceptance import fitted, judged
 
+from irb2400_ctrl.diagnosis.comparison import acceptance
 from irb2400_ctrl.diagnosis.comparison.acceptance import in_time
 from irb2400_ctrl.diagnosis.estimation.candidate import most_of
 from irb2400_ctrl.effects import LIBRARY
@@ -45,6 +46,16 @@ def test_no_torque_of_one_joint_is_told_before_it_was_there(delay: float, borne:
     bare = load_robot("irb2400")
     assert in_time(bare, LIBRARY["time_delay"].of(5, delay_s=delay)) == (delay > 0.0)
     assert in_time(bare, LIBRARY["time_delay"].of(None, delay_s=delay))
+
+
+def test_what_was_told_before_it_was_there_is_not_borne_out(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    offset = LIBRARY["torque_offset"].of(2, offset_Nm=3.0)
+    name: Any = SimpleNamespace(effects=(offset,), **NAMED)
+    for sound in (True, False):
+        monkeypatch.setattr(acceptance, "in_time", lambda robot, effect, sound=sound: sound)
+        assert judged(name, [0.0, 5.0, 0.0]) == sound
 
 
 def test_of_joints_that_rest_nothing_is_asked() -> None:

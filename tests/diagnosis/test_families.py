@@ -7,10 +7,13 @@ from typing import Any
 
 import numpy as np
 import pytest
+from diagnosis.plain_motion import BASES, motion
 
 from irb2400_ctrl.diagnosis.comparison.scan import Scan, step_at
 from irb2400_ctrl.diagnosis.estimation.candidate import Candidate
-from irb2400_ctrl.diagnosis.estimation.evidence import Score
+from irb2400_ctrl.diagnosis.estimation.evidence import Problem, Score
+from irb2400_ctrl.diagnosis.preparation.contacts import Contacts
+from irb2400_ctrl.diagnosis.preparation.noise import NoiseModel
 from irb2400_ctrl.diagnosis.regressors.bases import RegressorColumns
 from irb2400_ctrl.effects import LIBRARY
 from irb2400_ctrl.effects.prior import Nested
@@ -142,3 +145,34 @@ def test_only_what_acts_on_the_joints_that_are_asked_is_ranked(on: Any) -> None:
     joints = range(6) if on is None else [j for j in range(6) if on[j]]
     families = [("balancer", 2)] * (1 in joints) + [("payload", None)]
     assert asked == [*families, *joints]
+
+
+def test_what_is_on_every_joint_is_on_those_that_move() -> None:
+    """Rotors that a file leaves out came one by one where four of seven joints rested."""
+    known = np.ones((50, 6), dtype=bool)
+    known[:, [1, 2, 3]] = False
+    columns = [RegressorColumns((j,), np.ones((4, 1, 1))) for j in range(6)]
+    laws = {("rotor_inertia", j + 1): ([{}], (columns[j],)) for j in range(6)}
+    made = scan(laws=laws, motion=SimpleNamespace(n=6, row_known=known))
+    score = Score(30.0, 1.0, np.full(6, 2.0), np.eye(6), np.zeros(0))
+    found = made._everywhere(SimpleNamespace(score=lambda law: score), "rotor_inertia")
+    assert [e.joint for e in found.effects] == [1, 5, 6]
+    known[:, [4, 5]] = False
+    assert made._everywhere(SimpleNamespace(score=lambda law: score), "rotor_inertia") is None
+
+
+def test_a_slow_ripple_is_told_by_its_order_and_size() -> None:
+    m = motion()
+    load = np.zeros_like(m.tau)
+    real = Scan(BASES, m, load, Contacts())
+    angle = 2.0 * m.q[:, 2]
+    y = np.zeros((len(m.time), 6))
+    y[:, 2] = 3.0 * np.sin(angle) + 4.0 * np.cos(angle)
+    rows = m.filtered(y)
+    noise = NoiseModel(m.row_known, ~m.row_known, np.zeros(6), 0.04, least=0.1).white(rows)
+    found = real.slow_ripple(Problem(rows, np.full((*rows.shape, 1), 1e-3), noise), 3)
+    (ripple,) = found.effects
+    assert (ripple.kind, ripple.joint) == ("gear_ripple", 3)
+    assert ripple.nonlinear == {"order": 2.0}
+    assert ripple.coefficients() == pytest.approx((3.0, 4.0), abs=0.1)
+    assert found.known

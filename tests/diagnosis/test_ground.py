@@ -83,6 +83,7 @@ def test_what_is_far_ahead_of_all_other_names_needs_no_look_at_all(
     assert ahead(ripple, ripple, near) == []
     assert ahead(near, ripple, far) == []
     assert ahead(ripple, law) == []
+    assert ahead(ripple) == []
     assert ahead(ripple, ripple) == ["ripple"]
 
 

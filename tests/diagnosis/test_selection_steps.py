@@ -111,7 +111,12 @@ def test_of_an_effect_on_every_joint_what_does_not_stand_clear_is_left_out() -> 
 
 
 def next_step(
-    offered: list[Any], *, accepted: Any = None, least: float = 22.0, **given: Any
+    offered: list[Any],
+    *,
+    accepted: Any = None,
+    least: float = 22.0,
+    slow_ripple: Any = (),
+    **given: Any,
 ) -> tuple[Any, list[str]]:
     """What `next_step` makes of these alternatives over a base of evidence zero; and what was
     polished."""
@@ -120,6 +125,7 @@ def next_step(
     ground.comparison.gain = lambda one: one.evidence
     ground.comparison.polished = lambda one: polished.append(one.candidate.kind) or one
     ground.alternatives = lambda refused: list(offered)
+    ground.slow_ripple = lambda law: list(slow_ripple)
     ground.accepts = lambda one: accepted is None or one.candidate.kind in accepted
     threshold = SimpleNamespace(
         said_by_less=lambda c, one, every: one.candidate.kind == "said by less",
@@ -139,6 +145,10 @@ def test_the_next_step_is_the_best_that_counts() -> None:
     assert (step.candidate.kind, step.gain, polished) == ("good", 22.0, ["good"])
     assert step.alternatives == (good, worse)
     assert next_step([worse]) == (None, [])
+    # beside a law of the angle a slow ripple stands as another one
+    slow = of(explanation("slow ripple"), 70.0)
+    step, _ = next_step([good], slow_ripple=[slow])
+    assert step.alternatives == (good, slow)
     assert next_step([small], accepted=set()) == (None, [])
 
 

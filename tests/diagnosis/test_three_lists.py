@@ -251,3 +251,24 @@ def test_a_coordinate_has_no_per_cent() -> None:
     assert "%" not in line
     (line,) = number_lines([moved("Ixx", 0.1, 0.2)])
     assert line.endswith("(+100 %)")
+    lines = number_lines([moved("offset_Nm", 0.05, 1.2)])
+    assert "%" not in lines[0]
+
+
+def test_a_changed_effect_and_a_new_one_of_its_kind_are_two_entries() -> None:
+    """One sentence stood for both: "joints 2 and 4: ... that the file states is 30 % weaker"."""
+    new = finding("gear_ripple", 4, 0.1)
+    old = finding("gear_ripple", 2, 0.2)
+    stated = old.effect
+    weaker = old.effect.model_copy(update={"amplitude_Nm": 0.3 * stated.amplitude_Nm})  # type: ignore[attr-defined]
+    changed = replace(old, effect=weaker, stated=stated)
+    entries = findings_of(diagnosis(changed, new), "special")
+    assert [(e.where, e.sentence) for e in entries] == [
+        ("joint 2", "The gear_ripple that the file states is 30 % stronger than it says."),
+        (
+            "joint 4",
+            "Torque of the joint ripples with its angle, as a worn or eccentric gear makes it.",
+        ),
+    ]
+    both = findings_of(diagnosis(old, new), "special")
+    assert [e.where for e in both] == ["joints 2 and 4"]

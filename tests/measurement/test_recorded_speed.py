@@ -141,7 +141,16 @@ def test_it_is_said_why_the_motion_is_the_measured_one() -> None:
     assert said.startswith("no commanded motion (q_ref)")
     other = replace(log, q_ref=angles(STAMPS)[:, ::-1])
     (said,) = prepare(other).from_measured
-    assert said.startswith("not as commanded (q_ref), behind a servo: joint 1; ")
+    assert said.startswith("not as commanded (q_ref): joint 1; ")
+    # of several logs the joints of each
+    third = replace(log, q_ref=angles(STAMPS)[:, [0, 1, 0]] ** 2)
+    one = prepare(third).disobeying
+    assert one
+    assert one != prepare(other).disobeying
+    both = prepare_together([other, third])
+    assert both.disobeying == tuple(sorted({1, *one}))
+    names = ", ".join(f"joint {j}" for j in both.disobeying)
+    assert both.from_measured[0].startswith(f"not as commanded (q_ref): {names}; ")
 
 
 def test_an_arm_that_rests_has_no_speed_to_compare() -> None:

@@ -81,13 +81,12 @@ class Ground:
         """The best candidate and the next, where it has this name and gains so much more than any
         other that no look at all of them is needed; else none."""
         known = [c for c in self.ranked if c.known]
-        if not known or named(known[0]) != name:
-            return []
         others = [c for c in known if named(c) != name][:1]
         ahead = 1.0 + self.threshold.criteria.two_at_once
+        # where the best has another name, that is among the others
         if any(ahead * c.score.gain > known[0].score.gain for c in others):
             return []
-        return [self._told(self._between(c)) for c in (known[0], *others)]
+        return [self._told(self._between(c)) for c in (*known[:1], *others)]
 
     def slow_ripple(self, law: Candidate) -> list[Alternative]:
         """A ripple of fewer periods a turn than one is named for, beside a law of the angle that

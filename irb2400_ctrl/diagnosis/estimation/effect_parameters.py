@@ -53,17 +53,16 @@ def of_changing_strength(effects: Sequence[Effect]) -> tuple[Effect, ...]:
     """The effects of a file of which a log may show another strength at the same shape: torques
     whose shape is in their numbers, without memory, acting always. Those of one shape on one joint
     are one."""
-    sums: dict[tuple[object, ...], tuple[Effect, Array]] = {}
+    alike: dict[tuple[object, ...], list[Effect]] = {}
     for e in effects:
         if e.chain == "torque" and e.nonlinear and not e.states and not e.windows_s:
-            key = (e.kind, e.joint, *sorted(e.nonlinear.items()))
-            _, before = sums.get(key, (e, np.zeros(1)))
-            sums[key] = e, before + np.array(e.coefficients(), dtype=float)
-    return tuple(
-        type(e).from_coefficients(e.joint, whole.tolist(), e.nonlinear)
-        for e, whole in sums.values()
-        if np.any(whole)
-    )
+            alike.setdefault((e.kind, e.joint, *sorted(e.nonlinear.items())), []).append(e)
+    found = []
+    for e, *others in alike.values():
+        whole = np.sum([one.coefficients() for one in (e, *others)], axis=0)
+        if whole.any():
+            found.append(type(e).from_coefficients(e.joint, whole.tolist(), e.nonlinear))
+    return tuple(found)
 
 
 def changed_of(effect: Effect, stated: Sequence[Effect]) -> Effect | None:

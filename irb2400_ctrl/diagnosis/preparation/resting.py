@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from irb2400_ctrl.arrays import Array
-from irb2400_ctrl.diagnosis.preparation.noise import LEAST, rests
+from irb2400_ctrl.diagnosis.preparation.noise import rests
 from irb2400_ctrl.measurement.prepared_log import PreparedLog
 from irb2400_ctrl.robot import Robot
 
@@ -23,6 +23,13 @@ HELD_OTHERWISE = (
     "joint {joint} rests, and its torque is not what holds the arm there (a brake, or a load that "
     "is not stated): it bears no witness"
 )
+
+
+def held_at_rest(robot: Robot) -> Array:
+    """What dry friction holds of each joint that rests: F_s, and never less than the F_c of its
+    motion; infinity where the file states none, shape (n,) [Nm]."""
+    holds = robot.friction[:, :2].max(axis=1)
+    return np.asarray(np.where(robot.friction_stated[:, 1], holds, np.inf))
 
 
 @dataclass(frozen=True)
@@ -50,14 +57,14 @@ class Resting:
             predicted: its torque along the motion, shape (m, n) [Nm].
             numbers: columns of the robot's numbers with unit priors, shape (m, n, k) [Nm].
         """
+        holds = held_at_rest(robot)
+        # a channel that never changes has no torque
         resting = rests(motion.row_known) & (np.ptp(motion.tau, axis=0) > 0.0)
-        resting &= robot.friction_stated[:, 1]
-        friction = np.maximum(robot.friction[:, 0], robot.friction[:, 1])
         left = np.sqrt(np.mean((motion.tau - predicted) ** 2, axis=0))
         spread = np.sqrt(np.mean(np.sum(numbers**2, axis=2), axis=0))
-        held = left < BELIEVED * np.hypot(friction, spread)
-        holds = np.where(resting & held, np.maximum(friction, LEAST), np.inf)
-        pairs = [(j, part) for j in np.flatnonzero(resting & held) for part in motion.parts]
+        held = left < BELIEVED * np.hypot(holds, spread)
+        holds = np.where(resting & held, holds, np.inf)
+        pairs = [(j, part) for j in np.flatnonzero(np.isfinite(holds)) for part in motion.parts]
         columns = np.zeros((len(motion.time), motion.n, len(pairs)))
         for k, (j, part) in enumerate(pairs):
             columns[part, j, k] = holds[j]
