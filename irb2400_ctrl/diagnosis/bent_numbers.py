@@ -14,7 +14,7 @@ import numpy as np
 
 from irb2400_ctrl.diagnosis.comparison.step import Step
 from irb2400_ctrl.diagnosis.estimation.fit import Fit, Fitter
-from irb2400_ctrl.diagnosis.estimation.posterior import posterior
+from irb2400_ctrl.diagnosis.estimation.posterior import Posterior
 
 BENT = (
     "what has no name is on most joints and bends the robot's numbers: none is told, and those of "
@@ -36,7 +36,7 @@ def beside_noise(fitter: Fitter, steps: Sequence[Step], fit: Fit) -> Fit:
     named = fitter.fit([s.candidate for s in steps if s.candidate.known])
     laws = range(len(fit.effects), len(fit.effects) + len(fit.non_parametric))
     columns = [fit.Z[:, :, fit.owner == law] for law in laws]
-    b, _ = posterior(named.residual, np.concatenate(columns, axis=2), named.noise)
+    b = Posterior(named.residual, np.concatenate(columns, axis=2), named.noise).mean
     parts = np.split(b, np.cumsum([one.shape[2] for one in columns])[:-1])
     torques = tuple(one @ part for one, part in zip(columns, parts, strict=True))
     return replace(

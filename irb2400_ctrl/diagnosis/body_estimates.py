@@ -20,7 +20,7 @@ import numpy as np
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.diagnosis.estimation.fit import Fit, Fitter
-from irb2400_ctrl.diagnosis.estimation.posterior import posterior
+from irb2400_ctrl.diagnosis.estimation.posterior import Posterior
 from irb2400_ctrl.diagnosis.preparation.base_prior import BasePrior
 from irb2400_ctrl.diagnosis.preparation.identified_prior import IdentifiedPrior
 
@@ -110,16 +110,17 @@ def _estimate(fit: Fit, Y: Array, Z: Array, start: Array, inflation: float) -> B
     spread = usual * np.where(DIAGONAL > 0, 1.0, 0.5)
     numbers = start
     point = _point(start)
-    covariance = np.eye(1)
+    found: Posterior
     for _ in range(ROUNDS):
         phi = _point(numbers)
         phi[4:] += usual * DIAGONAL
         y = fit.y - Y @ (phi - point)
         columns = np.concatenate([Y @ _slope(numbers) * WIDE, Y[:, :, 4:] * spread, Z], axis=2)
-        b, covariance = posterior(y, columns, fit.noise)
+        found = Posterior(y, columns, fit.noise)
+        b = found.mean
         numbers = numbers + b[:4] * WIDE
         J = usual * DIAGONAL + b[4:10] * spread
-    errors = inflation * np.sqrt(np.diag(covariance)[:4]) * WIDE
+    errors = inflation * np.sqrt(np.diag(found.covariance)[:4]) * WIDE
     trace = max(float(J @ DIAGONAL), 0.0)
     gyration = float(np.sqrt(trace / 3.0 / max(abs(numbers[0]), 1e-9)))
     return BodyEstimate(float(numbers[0]), numbers[1:], gyration, errors)

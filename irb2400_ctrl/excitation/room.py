@@ -37,13 +37,14 @@ def floor_and_column(robot: Robot) -> tuple[float, float]:
     """Lowest height and smallest distance from axis 1 of flange and tool [m].
 
     A low shoulder (a small arm on a table) halves the height; a base frame that lies at the
-    shoulder (Puma) has its floor below, half a reach is free there.
+    shoulder (Puma) has its floor below, half a reach is free there. A single axis has no column
+    that its tool could come near to.
     """
     frames = [link.frame.matrix() for link in robot.links]
     shoulder = float((frames[0] @ frames[1])[2, 3]) if robot.n > 1 else 0.0
     reach = sum(float(np.linalg.norm(X[:3, 3])) for X in (*frames, robot.flange.matrix()))
     floor = min(FLOOR, shoulder / 2) if shoulder > _AT_SHOULDER else shoulder - reach / 2
-    return floor, min(COLUMN, _SHARE * reach)
+    return floor, min(COLUMN, _SHARE * reach) if robot.n > 1 else 0.0
 
 
 def height_and_radius(model: Model, q: Array) -> tuple[Array, Array]:
@@ -74,8 +75,11 @@ def with_room(robot: Robot, narrow: bool = False) -> Robot:
     near = np.clip(rng.uniform(-np.pi, np.pi, (_DRAWN, robot.n)), low, high)
     near = near[_clear(model, near)][:_LOOKED_AT]
     if len(near) == 0:
+        floor, column = floor_and_column(robot)
         raise InfeasibleError(
-            f"{robot.name}: flange and tool are clear of floor and column nowhere in the joint box"
+            f"{robot.name}: found flange or tool within {floor:.2f} m of the base plane or "
+            f"{column:.2f} m of axis 1 wherever the joints may go, expected room; wider range_deg, "
+            "or the frames of base and flange as they are"
         )
     around = rng.uniform(-1.0, 1.0, (_AROUND, robot.n))
     for wide in _WIDTHS:

@@ -14,7 +14,7 @@ from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.diagnosis import Diagnosis, diagnose
 from irb2400_ctrl.diagnosis.at_rest import worse_at_rest
 from irb2400_ctrl.diagnosis.estimation.fit import Fit, Fitter
-from irb2400_ctrl.diagnosis.estimation.posterior import posterior
+from irb2400_ctrl.diagnosis.estimation.posterior import Posterior
 from irb2400_ctrl.diagnosis.preparation.noise import HELD, NoiseModel
 from irb2400_ctrl.diagnosis.preparation.resting import Resting
 from irb2400_ctrl.diagnosis.regressors.predict import predicted_torque
@@ -102,7 +102,7 @@ def test_bodies_are_bound_by_what_a_resting_joint_holds() -> None:
     y[:, 0] = 10.0 * swing + 0.1 * rng.standard_normal(ROWS)
 
     def asked(holds: float) -> float:
-        b, _ = posterior(y, columns, noise_of(holds).white(y))
+        b = Posterior(y, columns, noise_of(holds).white(y)).mean
         return float(abs(100.0 * b[0]))
 
     assert asked(np.inf) > 400.0

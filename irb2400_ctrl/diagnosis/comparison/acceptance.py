@@ -223,7 +223,8 @@ class Acceptance:
         """Whether a law of the whole arm is as large on each joint as on the others: a liquid at
         the tool passes for a delay of all joints, but not of the same on each.
 
-        Held against factors 1 + z_j of its torque on each joint, z_j ~ N(0, 1).
+        Held against factors 1 + z_j of its torque on each joint, z_j ~ N(0, 1); of a joint with a
+        flexible law, which takes in as much of it as it likes, nothing is known.
         """
         candidate = steps[place].candidate
         if candidate.joint is not None or candidate.everywhere:
@@ -233,8 +234,13 @@ class Acceptance:
         for k in effects_of([s.candidate for s in steps], place):
             size = np.array(fit.effects[k].coefficients())
             torque[:, range(n), range(n)] += self.fitter.placed(fit.effects[k]) @ size
+        flexible = {s.candidate.joint for s in steps if not s.candidate.known}
+        joints = [j for j in range(n) if j + 1 not in flexible]
+        if len(joints) < 2:
+            return True
         own = Problem(fit.y, fit.Z, fit.noise).score(
-            RegressorColumns(tuple(range(n)), torque), expected=[(0.0, 1.0)] * n
+            RegressorColumns(tuple(joints), torque[:, joints][:, :, joints]),
+            expected=[(0.0, 1.0)] * len(joints),
         )
         return own.gain < OWN_SIZES * steps[place].gain
 

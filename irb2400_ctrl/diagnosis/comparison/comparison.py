@@ -84,10 +84,8 @@ class Comparison:
     @cached_property
     def start(self) -> Problem:
         """Under white noise of the level that the base leaves: the ground for a first ranking."""
-
-        level = self.noise.white(self.y)
-        left = self.y - self.Z @ Problem(self.y, self.Z, level).z
-        return Problem(self.y, self.Z, self.noise.white(left))
+        problem = Problem(self.y, self.Z, self.noise.white(self.y))
+        return problem.under(self.noise.white(self.y - self.Z @ problem.z))
 
     @cached_property
     def base(self) -> Problem:
@@ -151,7 +149,7 @@ class Comparison:
         """What its law gains on the rows away from reversals alone [nats], and how large these find
         it: over what all rows say."""
         calm = [without(one, self.noise.reversal[:, j]) for j, one in enumerate(self.base.noise)]
-        score = Problem(self.y, self.Z, calm).score(candidate.law, expected=candidate.expected)
+        score = self.start.under(calm).score(candidate.law, expected=candidate.expected)
         here, whole = (
             np.concatenate([one.whiten(tau[:, j]) for j, one in enumerate(calm)])
             for tau in (
@@ -227,7 +225,7 @@ class Comparison:
 
     def _under(self, residual: Array) -> Problem:
         """The problem under the noise of a residual."""
-        return Problem(self.y, self.Z, self.noise.coloured(residual))
+        return self.start.under(self.noise.coloured(residual))
 
     def _explained(self, problem: Problem, candidate: Candidate) -> Array:
         """Torque of the candidate and the base together, fitted under the problem's noise."""

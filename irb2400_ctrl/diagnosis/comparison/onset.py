@@ -146,17 +146,22 @@ class Windowing:
         place = np.searchsorted(edges, self.motion.row_time, side="right")
         gram, right = self.problem.projected_in_blocks(columns, place)
         k = columns.values.shape[2]
-        gram = gram.reshape(-1, k, len(right) // k, k)
-        right = right.reshape(-1, k)
+        count = len(right) // k
+        # sums up to each edge: a window is the difference of two
+        whole = np.zeros((count + 1, count + 1, k * k))
+        blocks = gram.reshape(count, k, count, k).transpose(0, 2, 1, 3)
+        whole[1:, 1:] = blocks.reshape(count, count, -1).cumsum(axis=0).cumsum(axis=1)
+        sums = np.zeros((count + 1, k))
+        sums[1:] = right.reshape(count, k).cumsum(axis=0)
+        expected = LIBRARY[law.kind].prior.coefficients
 
         def gain(windows: Windows) -> float:
             """From the sums over the pieces in these windows."""
-            stops = np.searchsorted(edges, np.round(windows, EDGE_DIGITS), side="right")
-            acting = np.concatenate([np.arange(a, b) for a, b in stops])
-            acting = acting[acting < len(right)]
-            there = gram[acting][:, :, acting].sum(axis=(0, 2))
-            expected = LIBRARY[law.kind].prior.coefficients
-            return law_gain(there, right[acting].sum(axis=0), expected)[0]
+            ends = np.searchsorted(edges, np.round(windows, EDGE_DIGITS).ravel(), side="right")
+            ends = np.minimum(ends, count)
+            sign = np.tile([-1.0, 1.0], len(windows))
+            there = np.outer(sign, sign).ravel() @ whole[ends[:, None], ends].reshape(-1, k * k)
+            return law_gain(there.reshape(k, k), sign @ sums[ends], expected)[0]
 
         return gain
 
@@ -177,6 +182,8 @@ class Windowing:
         columns = self.scan.columns(law)
         place = ((self.motion.row_time - time[0]) / BLOCK).astype(np.intp)
         gram, right = self.problem.projected_in_blocks(columns, place)
+        if not gram.any():
+            return []  # a tool centre point on the axis of the only joint: no force moves that
         ridge = 0.03 * np.trace(gram) / len(gram)
         force = np.linalg.solve(gram + ridge * np.eye(len(gram)), right).reshape(
             -1, columns.values.shape[2]

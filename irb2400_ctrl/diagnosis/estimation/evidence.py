@@ -8,7 +8,9 @@ P = (1 + Z Z^T)^-1, and everything follows from small Gram matrices.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from copy import copy
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 import numpy.typing as npt
@@ -51,12 +53,21 @@ class Problem:
     laws compete."""
 
     def __init__(self, y: Array, Z: Array, noise: Sequence[Noise]) -> None:
-        self.noise = tuple(noise)
-        self.y = [one.whiten(y[:, j]) for j, one in enumerate(noise)]
         # half of the base does not move a joint: links before it, friction of the others
-        self._used = [np.flatnonzero(Z[:, j].any(axis=0)) for j in range(len(self.noise))]
-        self._Z = [one.whiten(Z[:, j, self._used[j]]) for j, one in enumerate(noise)]
-        k = Z.shape[2]
+        self._used = [np.flatnonzero(Z[:, j].any(axis=0)) for j in range(len(noise))]
+        self._rows = [(y[:, j], Z[:, j, used]) for j, used in enumerate(self._used)]
+        self._whiten(noise, Z.shape[2])
+
+    def under(self, noise: Sequence[Noise]) -> Problem:
+        """The same under other noise."""
+        other = copy(self)
+        other._whiten(noise, len(self.z))
+        return other
+
+    def _whiten(self, noise: Sequence[Noise], k: int) -> None:
+        self.noise = tuple(noise)
+        self.y = [one.whiten(v) for one, (v, _) in zip(self.noise, self._rows, strict=True)]
+        self._Z = [one.whiten(X) for one, (_, X) in zip(self.noise, self._rows, strict=True)]
         gram = np.eye(k)
         self._Zy = np.zeros(k)
         for used, block, v in zip(self._used, self._Z, self.y, strict=True):
@@ -76,10 +87,10 @@ class Problem:
         """L^-1 C with L L^T = 1 + Z^T Z, shape of C (k, m)."""
         return np.asarray(dtrtrs(self._lower, C, lower=1)[0])
 
-    def _across(self, joint: int, x: Array, rows: slice = slice(None)) -> Array:
+    def _across(self, joint: int, x: Array) -> Array:
         """Z^T x of one joint for whitened columns x (rows, m), shape (k, m)."""
         found = np.zeros((len(self._Zy), *x.shape[1:]))
-        found[self._used[joint]] = self._Z[joint][rows].T @ x
+        found[self._used[joint]] = self._Z[joint].T @ x
         return found
 
     @property
@@ -145,13 +156,16 @@ class Problem:
         right = np.zeros(count * k)
         C = np.zeros((len(self._Zy), count * k))
         for j, x in self.whitened(columns):
-            edges = np.searchsorted(place[self.noise[j].kept], np.arange(count + 1))
-            for block in range(count):
-                rows = slice(*edges[block : block + 2])
+            edges = np.searchsorted(place[self.noise[j].kept], np.arange(count + 1)).tolist()
+            both = np.column_stack([x, self.y[j]])
+            across = np.empty((len(self._used[j]), count * k))
+            for block, (start, stop) in enumerate(pairwise(edges)):
                 part = slice(block * k, (block + 1) * k)
-                gram[part, part] += x[rows].T @ x[rows]
-                right[part] += x[rows].T @ self.y[j][rows]
-                C[:, part] += self._across(j, x[rows], rows)
+                own = x[start:stop].T @ both[start:stop]
+                gram[part, part] += own[:, :k]
+                right[part] += own[:, k]
+                across[:, part] = self._Z[j][start:stop].T @ x[start:stop]
+            C[self._used[j]] += across
         half = self._half(C)
         return gram - half.T @ half, right - C.T @ self.z
 

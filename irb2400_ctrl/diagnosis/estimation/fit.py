@@ -24,7 +24,7 @@ from irb2400_ctrl.diagnosis.estimation.effect_parameters import (
     with_value,
 )
 from irb2400_ctrl.diagnosis.estimation.evidence import discrepancy_shares, discrepancy_unit
-from irb2400_ctrl.diagnosis.estimation.posterior import posterior
+from irb2400_ctrl.diagnosis.estimation.linearised import Linearised
 from irb2400_ctrl.diagnosis.estimation.through_reading import shown_of, slope_of_shown
 from irb2400_ctrl.diagnosis.preparation.noise import Noise, NoiseModel
 from irb2400_ctrl.diagnosis.preparation.plain_numbers import PlainNumbers
@@ -135,27 +135,24 @@ class Fitter:
         effects = [e for c in chosen for e in c.effects]
         non_parametric = [c for c in chosen if not c.known]
         G = [self._non_parametric_columns(c) for c in non_parametric]
-        noise: tuple[Noise, ...] | None = None
         z: Array | None = None
         state = self._linearised(effects, G)
+        noise = self.noise.white(state.y)
         for _ in range(ITERATIONS if effects else 0):
-            y, columns, parameters, sizes, _ = state
-            left = y - self._solved(y, columns, noise)[1]
-            noise = self.noise.coloured(left)
-            b, _, covariance = self._solved(y, columns, noise)
-            start = self.Z.shape[2]
+            noise = self.noise.coloured(state.left(noise))
             if any(e.chain == "reading" for e in effects):
-                z = b[:start]  # of the base, which a gain multiplies as well
+                # of the base, which a gain multiplies as well
+                z = state.under(noise).mean[: state.base]
                 state = self._linearised(effects, G, z)
-                b, _, covariance = self._solved(y, state[1], noise)
-            step = b[start : start + len(parameters)] * sizes
+            found = state.under(noise)
+            step = found.mean[state.own] * state.sizes
             if not len(step):
                 break
-            better = self._descended(effects, G, z, parameters, step, state, noise)
+            better = self._descended(effects, G, z, step, state, noise)
             if better is None:
                 break
+            scale = np.sqrt(np.diag(found.covariance))[state.own] * state.sizes
             effects, state, shrink = better
-            scale = np.sqrt(np.diag(covariance))[start : start + len(parameters)] * sizes
             if (np.abs(shrink * step) < 0.05 * scale).all():
                 break
         return self._finished(effects, state, noise, [g.shape[2] for g in G])
@@ -165,51 +162,41 @@ class Fitter:
         effects: list[Effect],
         G: list[Array],
         z: Array | None,
-        parameters: list[Parameter],
         step: Array,
-        state: _State,
+        state: Linearised,
         noise: tuple[Noise, ...],
-    ) -> tuple[list[Effect], _State, float] | None:
+    ) -> tuple[list[Effect], Linearised, float] | None:
         """Effects and state after the longest fraction of the step that does not fit worse."""
-        before = self._misfit(state, noise)
+        before = state.misfit(noise)
         for shrink in (1.0, 0.4, 0.15):
-            further = moved(effects, parameters, shrink * step, self.motion.duration)
+            further = moved(effects, state.parameters, shrink * step, self.motion.duration)
             if further is not None:
                 there = self._linearised(further, G, z)
-                if self._misfit(there, noise) < before + 0.1:
+                if there.misfit(noise) < before + 0.1:
                     return further, there, shrink
         return None
-
-    def _misfit(self, state: _State, noise: tuple[Noise, ...]) -> float:
-        """Whitened sum of squares left when all but the natural parameters is fitted."""
-        y, columns, parameters, _, _ = state
-        held = np.delete(columns, self.Z.shape[2] + np.arange(len(parameters)), axis=2)
-        b, explained, _ = self._solved(y, held, noise)
-        left = y - explained
-        return float(
-            sum(np.sum(one.whiten(left[:, j]) ** 2) for j, one in enumerate(noise)) + b @ b
-        )
 
     def _finished(
         self,
         effects: list[Effect],
-        state: _State,
-        noise: tuple[Noise, ...] | None,
+        state: Linearised,
+        noise: tuple[Noise, ...],
         widths: Sequence[int],
     ) -> Fit:
         """`widths`: number of columns of each non-parametric law, the last ones."""
-        y, columns, parameters, sizes, shapes = state
-        _, explained, _ = self._solved(y, columns, noise)
-        noise = self.noise.coloured(y - explained)
-        b, _, covariance = self._solved(y, columns, noise)
-        k = self.Z.shape[2]
-        p = len(parameters)
+        noise = self.noise.coloured(state.left(noise))
+        found = state.under(noise)
+        covariance = found.covariance
+        y = state.y
+        columns = state.columns
+        shapes = state.shapes
+        own = state.own
         # all else beside the parameters as they are, not as a further step would move them
-        own = slice(k, k + p)
+        b = found.mean
         b = b - covariance[:, own] @ np.linalg.solve(covariance[own, own], b[own])
         sigma = np.sqrt(np.diag(covariance))
         shaped = []
-        place = k + p
+        place = own.stop
         for effect, unit in zip(effects, shapes, strict=True):
             # how the record began is no property of the robot
             kept = effect.prior.kept(len(unit) - effect.beginnings())
@@ -221,8 +208,8 @@ class Fitter:
                 else effect
             )
         owner = np.full(columns.shape[2], -1, dtype=np.intp)
-        owner[own] = [parameter.effect for parameter in parameters]
-        owner[k + p : place] = np.repeat(np.arange(len(effects)), [len(unit) for unit in shapes])
+        owner[own] = [parameter.effect for parameter in state.parameters]
+        owner[own.stop : place] = np.repeat(np.arange(len(effects)), [len(unit) for unit in shapes])
         non_parametric = []
         edges = place + np.cumsum([0, *widths])
         for law, (start, stop) in enumerate(pairwise(edges)):
@@ -231,9 +218,9 @@ class Fitter:
             non_parametric.append(columns[:, :, part] @ b[part])
         return Fit(
             effects=tuple(shaped),
-            parameters=tuple(parameters),
-            sigma=sigma[own] * sizes,
-            alone=alone(covariance[own, own], parameters) * sizes,
+            parameters=tuple(state.parameters),
+            sigma=sigma[own] * state.sizes,
+            alone=alone(covariance[own, own], state.parameters) * state.sizes,
             z=b[: self.own],
             z_covariance=covariance[: self.own, : self.own],
             y=y,
@@ -242,12 +229,14 @@ class Fitter:
             noise=noise,
             non_parametric=tuple(non_parametric),
             owner=owner,
-            scales=sizes,
+            scales=state.sizes,
             units=tuple(shapes),
         )
 
-    def _linearised(self, effects: list[Effect], G: list[Array], z: Array | None = None) -> _State:
-        """Residual of the exact prediction, columns with unit priors, parameters, their scales."""
+    def _linearised(
+        self, effects: list[Effect], G: list[Array], z: Array | None = None
+    ) -> Linearised:
+        """`z`: deviations of the base, where a gain multiplies these as well."""
         bare = [e.model_copy(update={"discrepancy": ()}) for e in effects]
         y = self._left_by(bare)
         blocks = [self.Z * shown_of(bare, self.motion)[:, :, None]]
@@ -271,7 +260,9 @@ class Fitter:
             columns, unit = self._discrepancy(effect)
             blocks.append(columns * unit)
             shapes.append(unit)
-        return y, np.concatenate([*blocks, *G], axis=2), parameters, np.array(sizes), shapes
+        columns = np.concatenate([*blocks, *G], axis=2)
+        base = self.Z.shape[2]
+        return Linearised(y, columns, base, parameters, np.array(sizes), shapes)
 
     def _left_by(self, effects: list[Effect]) -> Array:
         """What the robot with these effects leaves of the filtered torque, shape (rows, n) [Nm]."""
@@ -336,15 +327,3 @@ class Fitter:
         b = candidate.score.coefficients
         values = candidate.law.values * (3.0 * np.sqrt(np.mean(b**2)))
         return self._on_all_joints(candidate.law.joints, values)
-
-    def _solved(
-        self, y: Array, columns: Array, noise: Sequence[Noise] | None
-    ) -> tuple[Array, Array, Array]:
-        """Posterior mean (k,), explained torque (rows, n), covariance (k, k)."""
-        if noise is None:
-            noise = self.noise.white(y)
-        b, covariance = posterior(y, columns, noise)
-        return b, columns @ b, covariance
-
-
-_State = tuple[Array, Array, list[Parameter], Array, list[Array]]

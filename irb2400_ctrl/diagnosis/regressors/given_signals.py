@@ -120,5 +120,5 @@ class GivenSignals:
 
 def _nonzeros(matrix: ca.SX) -> ca.SX:
     """The structural nonzeros of a matrix, one below the other."""
-    nonzeros: ca.SX = matrix.nz[:]
+    nonzeros: ca.SX = ca.vec(matrix.nz[:])  # of a single row (an arm of one joint) they lie in one
     return nonzeros

@@ -300,7 +300,8 @@ def lines(diagnosis: Diagnosis) -> list[str]:
         used = sum(log.used for log in diagnosis.logs)
         found.append(f"{used} logs together; {len(diagnosis.logs) - used} only judged")
     compared = diagnosis.validation or diagnosis.identification
-    found.append(f"RMSE on {Path(compared.name).name} [Nm], joints 1 to {diagnosis.given.n}:")
+    joints = f"joints 1 to {diagnosis.given.n}" if diagnosis.given.n > 1 else "joint 1"
+    found.append(f"RMSE on {Path(compared.name).name} [Nm], {joints}:")
     for name, values in (
         ("before", compared.error_before.rmse),
         ("recalibrated", compared.error_recalibrated.rmse),
