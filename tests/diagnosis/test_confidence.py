@@ -42,6 +42,19 @@ def test_beside_a_lookalike_nothing_is_surer_than_it_proved() -> None:
     assert confidence(step(kind, 1e9, known=False)) == pytest.approx(0.99)
 
 
+def test_a_law_of_the_angle_beside_a_slow_ripple_is_none_to_be_sure_of() -> None:
+    """Eleven springs were told of arms whose gears have ripples of two or three periods a turn, at
+    0.93 at most; one was there."""
+    ripple = tried("gear_ripple", 2, -300.0)
+    assert confidence(step("cable_spring", 5000.0, ripple)) == 0.5
+    assert confidence(step("cable_spring", 5000.0)) > 0.98
+    assert confidence(step("cable_spring", 5000.0, tried("payload", 2, -300.0))) > 0.95
+    assert confidence(step("load_friction", 5000.0, ripple)) > 0.95
+    # one that is far behind is no alternative
+    assert confidence(step("cable_spring", 5000.0, tried("gear_ripple", 2, -400.0))) > 0.95
+    assert confidence(step("cable_spring", 0.0, tried("gear_ripple", 2, 0.0))) < 0.5
+
+
 def test_alternatives_are_near_or_of_the_same_group() -> None:
     own, mate = group_mates()
     other = next(

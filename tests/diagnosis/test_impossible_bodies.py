@@ -8,7 +8,11 @@ from typing import Any
 import pytest
 
 import irb2400_ctrl as irb
-from irb2400_ctrl.diagnosis.comparison.acceptance import Acceptance, can_be_taken_off
+from irb2400_ctrl.diagnosis.comparison.acceptance import (
+    Acceptance,
+    can_be_taken_off,
+    relaxes_within_reach,
+)
 from irb2400_ctrl.diagnosis.comparison.criteria import Criteria
 from irb2400_ctrl.diagnosis.possible_bodies import turns_impossible
 from irb2400_ctrl.effects import LIBRARY
@@ -57,3 +61,13 @@ def test_a_name_that_takes_more_than_there_is_is_not_borne_out() -> None:
     step: Any = SimpleNamespace(candidate=SimpleNamespace(effects=(effect,)))
     fit: Any = SimpleNamespace(effects=(effect,))
     assert not acceptance.bears_out([step], fit, 0)
+
+
+@pytest.mark.parametrize(
+    ("neutral", "there"), [(-3.3, True), (-3.4, False), (3.4, True), (3.5, False), (0.0, True)]
+)
+def test_a_spring_pulls_towards_an_angle_near_its_joints_range(neutral: float, there: bool) -> None:
+    """Joint 5 of a small arm had a spring that pulls to -250 degrees, which was the asymmetry of
+    its friction; axis 2 of the IRB 2400 turns from -100 to 110 degrees."""
+    spring = LIBRARY["cable_spring"].of(2, stiffness_Nm_rad=5.0, neutral_rad=neutral)
+    assert relaxes_within_reach(irb.load_robot("irb2400"), spring) == there

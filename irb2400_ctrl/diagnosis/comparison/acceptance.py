@@ -19,6 +19,7 @@ from irb2400_ctrl.diagnosis.estimation.held_out import HeldOut, Worth
 from irb2400_ctrl.diagnosis.regressors.bases import RegressorColumns
 from irb2400_ctrl.effects import Effect
 from irb2400_ctrl.effects.added_body import REACH, AddedBody
+from irb2400_ctrl.effects.cable_spring import CableSpring
 from irb2400_ctrl.effects.time_delay import TimeDelay
 from irb2400_ctrl.robot import Robot
 
@@ -29,6 +30,8 @@ STANDARD_ERRORS = 3.0
 """that some size of an effect stands away from nothing"""
 QUICKEST = 0.5
 """of the shortest time constant of a grid that a search may lead to"""
+BEYOND = math.pi / 2
+"""[rad] that a spring may have its neutral angle beyond its joint's range"""
 AHEAD = 0.0015
 """[s] that the torque of one joint may be told before it was there, by the truth of time stamps"""
 INFLATION = 1.5
@@ -99,6 +102,15 @@ def within_reach(robot: Robot, effect: Effect) -> bool:
     return math.hypot(*effect.com_m) <= max(REACH, 0.5 * robot.reach)
 
 
+def relaxes_within_reach(robot: Robot, effect: Effect) -> bool:
+    """Whether the angle at which a spring pulls at nothing is within a quarter turn of its joint's
+    range: one far beyond it pulls at all angles alike, as an offset does."""
+    if not isinstance(effect, CableSpring):
+        return True
+    j = effect.index
+    return bool(robot.q_min[j] - BEYOND <= effect.neutral_rad <= robot.q_max[j] + BEYOND)
+
+
 def can_be_taken_off(robot: Robot, effect: Effect) -> bool:
     """Whether an arm has the mass that an effect takes off a link: with all that this link carries,
     as the torque hardly knows on which of these a mass sits."""
@@ -119,6 +131,10 @@ def in_time(robot: Robot, effect: Effect) -> bool:
         return True
     stated = [e for e in robot.effects if isinstance(e, TimeDelay) and e.joint == effect.joint]
     return effect.delay_s + sum(e.delay_s for e in stated if not e.of_angle) > -AHEAD
+
+
+OF_THIS_ARM = (can_be_taken_off, within_reach, relaxes_within_reach, in_time)
+"""what the robot's file has to say of an effect's numbers"""
 
 
 def own(candidate: Candidate, worth: Worth) -> float:
@@ -180,10 +196,7 @@ class Acceptance:
         candidate = chosen[place]
         fitted = [fit.effects[k] for k in effects_of(chosen, place)]
         robot = self.fitter.robot
-        if not all(
-            usual(e) and can_be_taken_off(robot, e) and within_reach(robot, e) and in_time(robot, e)
-            for e in fitted
-        ):
+        if not all(usual(e) and all(fits(robot, e) for fits in OF_THIS_ARM) for e in fitted):
             return False
         if candidate.devices:
             # how a swing began is free, and its linear columns do not bear out its frequency
