@@ -10,7 +10,11 @@ import numpy as np
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.diagnosis.body_estimates import body_estimates
 from irb2400_ctrl.diagnosis.comparison.acceptance import INFLATION
-from irb2400_ctrl.diagnosis.comparison.confidence import alternatives, confidence
+from irb2400_ctrl.diagnosis.comparison.confidence import (
+    LOOKALIKE_CAP,
+    alternatives,
+    confidence,
+)
 from irb2400_ctrl.diagnosis.comparison.step import Step
 from irb2400_ctrl.diagnosis.curves import UNITS, binned_curve
 from irb2400_ctrl.diagnosis.estimation.candidate import Candidate
@@ -49,12 +53,14 @@ def findings_of(
             torque = effect_torque(fitter.bases, effect, motion, filtered=True)
             share = _share(torque, measured)
             joint = int(np.argmax(share)) if effect.joint is None else effect.index
+            instead = changed_instead(effect, fitter)
+            sure = confidence(step)
             found.append(
                 Finding(
                     effect=effect,
                     standard_errors=_standard_errors(fit, place, step.candidate),
-                    confidence=confidence(step),
-                    alternatives=alternatives(step),
+                    confidence=min(sure, LOOKALIKE_CAP) if instead else sure,
+                    alternatives=tuple(dict.fromkeys((*alternatives(step), *instead))),
                     list=list_of(effect, change),
                     gain=step.gain,
                     margin=step.margin,
@@ -77,6 +83,21 @@ def findings_of(
             )
             place += 1
     return tuple(found)
+
+
+def changed_instead(effect: Effect, fitter: Fitter) -> tuple[str, ...]:
+    """Kinds that the robot's file states on the joint of an effect and that pass for it: they may
+    have become less in its place."""
+    if changed_of(effect, fitter.stated) is not None:
+        return ()
+
+    def passes(one: Effect) -> bool:
+        own = effect.ambiguity
+        alike = own.group == one.ambiguity.group
+        either = one.kind in own.passing or effect.kind in one.ambiguity.passing
+        return one.joint == effect.joint and one.kind != effect.kind and (alike or either)
+
+    return tuple(dict.fromkeys(one.kind for one in fitter.robot.effects if passes(one)))
 
 
 def _gain(step: Step, effect: Effect, joint: int) -> float:

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -12,6 +14,9 @@ from third_plant.case import Case
 from third_plant.suites import plan
 
 from irb2400_ctrl.diagnosis import diagnose
+from irb2400_ctrl.diagnosis.comparison.acceptance import Acceptance
+from irb2400_ctrl.diagnosis.preparation.noise import Noise
+from irb2400_ctrl.effects import LIBRARY
 from irb2400_ctrl.measurement import Log
 
 
@@ -46,3 +51,37 @@ def test_a_liquid_at_the_tool_is_no_delay_of_all_joints(seed: int, number: int) 
     found = diagnose(ROBOT, Log(seen.time, seen.q, seen.tau, qd=seen.qd, q_ref=seen.q_ref))
     assert names(found) == []
     assert found.verdict == "unexplained"
+
+
+def test_a_flexible_law_tells_nothing_of_the_size_of_a_law_of_the_whole_arm() -> None:
+    """A delay of all joints, 8.77 ms where 8.745 was true, was taken back as that of joint 3 had
+    gone into a function without a name there: -0.92 ± 0.44 of it was missed."""
+    rng = np.random.default_rng(6)
+    rows = 2000
+    rates = rng.normal(size=(rows, 3, 1))
+    delay = LIBRARY["time_delay"].of(None, delay_s=1.0)
+    noise = tuple(Noise(np.array([1.0, 0.0, 0.0]), np.ones(rows), np.arange(rows)) for _ in "123")
+
+    def of_one_size(shares: list[float], flexible: list[int]) -> bool:
+        y = rates[:, :, 0] * (np.array(shares) - 1.0) + rng.normal(size=(rows, 3))
+        # what a flexible law holds may move, the delay's share in it as well
+        Z = np.full((rows, 3, 4), 1e-3)
+        for j in flexible:
+            Z[:, j - 1, j - 1] = rates[:, j - 1, 0]
+        acceptance: Any = Acceptance.__new__(Acceptance)
+        acceptance.fitter = SimpleNamespace(
+            motion=SimpleNamespace(n=3), placed=lambda effect: rates
+        )
+        one = SimpleNamespace(joint=None, everywhere=False, effects=(delay,), known=True)
+        laws = [SimpleNamespace(joint=j, known=False, effects=()) for j in flexible]
+        steps: Any = [SimpleNamespace(candidate=c, gain=200.0) for c in (one, *laws)]
+        fit: Any = SimpleNamespace(y=y, Z=Z, noise=noise, effects=(delay,))
+        return bool(acceptance._of_one_size(steps, fit, 0))
+
+    assert of_one_size([1.0, 1.0, 1.0], [])
+    assert not of_one_size([1.0, 1.0, 0.0], [])
+    assert of_one_size([1.0, 1.0, 0.0], [3])
+    assert not of_one_size([1.0, 0.0, 1.0], [3])
+    # a single joint is of one size with itself
+    assert of_one_size([1.0, 0.0, 0.0], [2, 3])
+    assert of_one_size([0.0, 0.0, 0.0], [1, 2, 3])

@@ -3,6 +3,9 @@ its strength."""
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+from typing import Any
+
 import numpy as np
 import pytest
 from independent_plant import Case
@@ -13,6 +16,7 @@ from irb2400_ctrl.diagnosis.estimation.effect_parameters import (
     of_changing_strength,
     parameters_of,
 )
+from irb2400_ctrl.diagnosis.findings import changed_instead
 from irb2400_ctrl.effects import LIBRARY, Effect
 from irb2400_ctrl.effects.balancer import Balancer
 from irb2400_ctrl.effects.gear_ripple import GearRipple
@@ -105,3 +109,30 @@ def told(effect: Effect, stated: Effect | None) -> str:
     curve = Curve(2, "q", "rad", *[np.zeros(1)] * 5)
     finding = Finding(effect, {}, 0.9, (), 1.0, 1.0, np.ones(6), curve, "special", stated=stated)
     return finding.says
+
+
+def test_what_passes_for_a_stated_effect_may_be_that_one_become_less() -> None:
+    """A cable spring of 30 Nm/rad that the file states and the arm has lost is no spring of its
+    kind, which only pulls: it was a balancer at 0.96 with no alternative."""
+    seen = Case(3529900, duration=16.0, validation_duration=3.0).simulate()[0]
+    spring = LIBRARY["cable_spring"].of(3, stiffness_Nm_rad=30.0, neutral_rad=0.3)
+    robot = load_robot("irb2400").with_effects(spring)
+    found = diagnose(robot, Log(seen.time, seen.q, seen.tau, q_ref=seen.q_ref))
+    (one,) = found.findings
+    assert one.effect.joint == 3
+    assert one.confidence <= 0.75
+    assert "cable_spring" in one.alternatives
+
+
+def test_an_effect_elsewhere_or_of_no_like_is_no_change_of_a_stated_one() -> None:
+    balancer = LIBRARY["balancer"]
+    spring = LIBRARY["cable_spring"].of(3, stiffness_Nm_rad=30.0)
+    fitter: Any = SimpleNamespace(robot=SimpleNamespace(effects=(spring,)), stated=())
+    assert changed_instead(balancer.of(3, **balancer.example), fitter) == ("cable_spring",)
+    assert changed_instead(balancer.of(2, **balancer.example), fitter) == ()
+    assert changed_instead(LIBRARY["load_friction"].of(3, coefficient=0.1), fitter) == ()
+    assert changed_instead(spring, fitter) == ()
+    # of another strength itself
+    fitter = SimpleNamespace(robot=SimpleNamespace(effects=(STATED, spring)), stated=(STATED,))
+    weaker = STATED.model_copy(update={"torque_Nm": -100.0})
+    assert changed_instead(weaker, fitter) == ()
