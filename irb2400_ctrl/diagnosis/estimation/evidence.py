@@ -55,7 +55,7 @@ class Problem:
     def __init__(self, y: Array, Z: Array, noise: Sequence[Noise]) -> None:
         # half of the base does not move a joint: links before it, friction of the others
         self._used = [np.flatnonzero(Z[:, j].any(axis=0)) for j in range(len(noise))]
-        self._rows = [(y[:, j], Z[:, j, used]) for j, used in enumerate(self._used)]
+        self._rows = [np.column_stack([Z[:, j, u], y[:, j]]) for j, u in enumerate(self._used)]
         self._whiten(noise, Z.shape[2])
 
     def under(self, noise: Sequence[Noise]) -> Problem:
@@ -66,17 +66,20 @@ class Problem:
 
     def _whiten(self, noise: Sequence[Noise], k: int) -> None:
         self.noise = tuple(noise)
-        self.y = [one.whiten(v) for one, (v, _) in zip(self.noise, self._rows, strict=True)]
-        self._Z = [one.whiten(X) for one, (_, X) in zip(self.noise, self._rows, strict=True)]
+        # y is the column behind Z: one product gives what both say
+        self._both = [one.whiten(rows) for one, rows in zip(noise, self._rows, strict=True)]
         gram = np.eye(k)
         self._Zy = np.zeros(k)
-        for used, block, v in zip(self._used, self._Z, self.y, strict=True):
-            gram[np.ix_(used, used)] += block.T @ block
-            self._Zy[used] += block.T @ v
+        squares = 0.0
+        for used, both in zip(self._used, self._both, strict=True):
+            products = both.T @ both
+            gram[np.ix_(used, used)] += products[:-1, :-1]
+            self._Zy[used] += products[:-1, -1]
+            squares += float(products[-1, -1])
         # LAPACK itself, without what scipy asks before every call, and in its own order
         self._lower = np.asfortranarray(np.linalg.cholesky(gram))
         self.z = self._beside(self._Zy)
-        self.quadratic = float(sum(v @ v for v in self.y) - self._Zy @ self.z)
+        self.quadratic = squares - float(self._Zy @ self.z)
         """y^T P y"""
 
     def _beside(self, right: Array) -> Array:
@@ -87,11 +90,15 @@ class Problem:
         """L^-1 C with L L^T = 1 + Z^T Z, shape of C (k, m)."""
         return np.asarray(dtrtrs(self._lower, C, lower=1)[0])
 
-    def _across(self, joint: int, x: Array) -> Array:
-        """Z^T x of one joint for whitened columns x (rows, m), shape (k, m)."""
-        found = np.zeros((len(self._Zy), *x.shape[1:]))
-        found[self._used[joint]] = self._Z[joint].T @ x
-        return found
+    def _across(self, blocks: Sequence[tuple[int, Array]], m: int) -> tuple[Array, Array]:
+        """Z^T X (k, m) and X^T y (m,) of whitened columns (rows, m) of some joints."""
+        C = np.zeros((len(self._Zy), m))
+        right = np.zeros(m)
+        for j, x in blocks:
+            products = self._both[j].T @ x
+            C[self._used[j]] += products[:-1]
+            right += products[-1]
+        return C, right
 
     @property
     def log_evidence(self) -> float:
@@ -102,18 +109,14 @@ class Problem:
             log_weights - 0.5 * self.quadratic - float(np.sum(np.log(np.abs(np.diag(self._lower)))))
         )
 
-    @property
-    def count(self) -> int:
-        """Number of rows."""
-        return sum(len(v) for v in self.y)
-
     def base_beside(self, torque: Array) -> Array:
         """The base's z once a torque (rows, n) has been taken off y."""
-        part = sum(
-            (self._across(j, one.whiten(torque[:, j])) for j, one in enumerate(self.noise)),
-            np.zeros(len(self.z)),
-        )
-        return np.asarray(self.z - self._beside(part))
+        C, _ = self._across([(j, v[:, None]) for j, v in self._torques(torque)], 1)
+        return np.asarray(self.z - self._beside(C[:, 0]))
+
+    def _torques(self, torque: Array) -> list[tuple[int, Array]]:
+        """A torque (rows, n), whitened per joint."""
+        return [(j, one.whiten(torque[:, j])) for j, one in enumerate(self.noise)]
 
     def share_beyond_base(self, torque: Array) -> float:
         """Share of a torque (rows, n) that the base with free numbers would not give: X^T P X over
@@ -121,9 +124,7 @@ class Problem:
         gram, _ = self.projected(
             RegressorColumns(tuple(range(len(self.noise))), torque[:, :, None])
         )
-        whole = sum(
-            float(np.sum(one.whiten(torque[:, j]) ** 2)) for j, one in enumerate(self.noise)
-        )
+        whole = sum(float(v @ v) for _, v in self._torques(torque))
         return float(gram[0, 0]) / max(whole, 1e-12)
 
     def whitened(self, columns: RegressorColumns) -> list[tuple[int, Array]]:
@@ -137,8 +138,7 @@ class Problem:
         blocks = self.whitened(columns)
         k = columns.values.shape[2]
         gram: Array = sum((x.T @ x for _, x in blocks), np.zeros((k, k)))
-        right: Array = sum((x.T @ self.y[j] for j, x in blocks), np.zeros(k))
-        C: Array = sum((self._across(j, x) for j, x in blocks), np.zeros((len(self._Zy), k)))
+        C, right = self._across(blocks, k)
         half = self._half(C)
         return gram - half.T @ half, right - C.T @ self.z
 
@@ -157,15 +157,13 @@ class Problem:
         C = np.zeros((len(self._Zy), count * k))
         for j, x in self.whitened(columns):
             edges = np.searchsorted(place[self.noise[j].kept], np.arange(count + 1)).tolist()
-            both = np.column_stack([x, self.y[j]])
-            across = np.empty((len(self._used[j]), count * k))
+            across = np.empty((len(self._used[j]) + 1, count * k))
             for block, (start, stop) in enumerate(pairwise(edges)):
                 part = slice(block * k, (block + 1) * k)
-                own = x[start:stop].T @ both[start:stop]
-                gram[part, part] += own[:, :k]
-                right[part] += own[:, k]
-                across[:, part] = self._Z[j][start:stop].T @ x[start:stop]
-            C[self._used[j]] += across
+                gram[part, part] += x[start:stop].T @ x[start:stop]
+                across[:, part] = self._both[j][start:stop].T @ x[start:stop]
+            C[self._used[j]] += across[:-1]
+            right += across[-1]
         half = self._half(C)
         return gram - half.T @ half, right - C.T @ self.z
 
@@ -176,19 +174,19 @@ class Problem:
         x = self.noise[joint].whiten(
             np.ascontiguousarray(values.transpose(1, 0, 2)).reshape(rows, g * k)
         )
-        C = self._across(joint, x)
+        C, right = self._across([(joint, x)], g * k)
         half = self._half(C)
         gram = _grams(x, g, k) - _grams(half, g, k)
-        right = (x.T @ self.y[joint] - C.T @ self.z).reshape(g, k)
+        right = (right - C.T @ self.z).reshape(g, k)
         return gram, right
 
     def gains(self, joint: int, blocks: Sequence[Array]) -> Array:
         """Evidence of many sets of columns (rows, k_i) on one joint, shape (len(blocks),)
         [nats]."""
         x = self.noise[joint].whiten(np.hstack(blocks))
-        C = self._across(joint, x)
+        C, right = self._across([(joint, x)], x.shape[1])
         half = self._half(C)
-        right = x.T @ self.y[joint] - C.T @ self.z
+        right = right - C.T @ self.z
         widths = np.array([block.shape[1] for block in blocks])
         stops = np.cumsum(widths)
         found = np.zeros(len(blocks))
