@@ -20,6 +20,7 @@ from irb2400_ctrl.diagnosis.regressors.bases import RegressorColumns
 from irb2400_ctrl.effects import Effect
 from irb2400_ctrl.effects.added_body import REACH, AddedBody
 from irb2400_ctrl.effects.cable_spring import CableSpring
+from irb2400_ctrl.effects.process_force import ProcessForce
 from irb2400_ctrl.effects.time_delay import TimeDelay
 from irb2400_ctrl.robot import Robot
 
@@ -96,10 +97,12 @@ def usual(effect: Effect) -> bool:
 
 
 def within_reach(robot: Robot, effect: Effect) -> bool:
-    """Whether a body sits no further from its link than `REACH`, or half of the arm's reach."""
-    if not isinstance(effect, AddedBody):
-        return True
-    return math.hypot(*effect.com_m) <= max(REACH, 0.5 * robot.reach)
+    """Whether a body sits, or a force acts, no further from its link than `REACH`, or half of the
+    arm's reach."""
+    most = max(REACH, 0.5 * robot.reach)
+    if isinstance(effect, ProcessForce):
+        return effect.moment_Nm <= most * effect.force_N
+    return not isinstance(effect, AddedBody) or math.hypot(*effect.com_m) <= most
 
 
 def relaxes_within_reach(robot: Robot, effect: Effect) -> bool:

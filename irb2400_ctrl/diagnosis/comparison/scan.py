@@ -114,6 +114,8 @@ class Scan(LogColumns):
         for place in self._promising(problem, kind, joint, laws):
             nonlinear = grid[place]
             forms = self.forms(kind, self.member(kind, joint, nonlinear)[0])
+            # what acts always would take the place of a load, and of more, in its whole form
+            forms = forms[:1] if LIBRARY[kind].search.comes_and_goes else forms
             # a family with many members must win by more
             chosen = self.family_penalty(kind, joint, nonlinear)
             penalty = chosen + float(np.log(len(forms)))
