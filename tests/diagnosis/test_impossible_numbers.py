@@ -1,4 +1,4 @@
-"""A log that asks for bodies that could not exist, of a robot whose own could."""
+"""Numbers that this arm could not have, bodies, springs, forces, delays."""
 
 from __future__ import annotations
 
@@ -54,9 +54,21 @@ def test_a_link_is_no_lighter_than_nothing(taken: float, there: bool) -> None:
     assert can_be_taken_off(loaded, payload)
 
 
-def test_a_name_that_takes_more_than_there_is_is_not_borne_out() -> None:
+@pytest.mark.parametrize(
+    ("kind", "joint", "numbers"),
+    [
+        ("link_inertia", 4, {"mass_kg": -500.0}),
+        ("payload", None, {"mass_kg": 2.0, "com_m": (0.0, 0.0, 2.0)}),
+        ("cable_spring", 2, {"stiffness_Nm_rad": 5.0, "neutral_rad": 6.0}),
+        ("process_force", None, {"force_x_N": 1.0, "moment_y_Nm": 2.0}),
+        ("time_delay", 3, {"delay_s": -0.03}),
+    ],
+)
+def test_what_this_arm_cannot_have_is_not_borne_out(
+    kind: str, joint: int | None, numbers: dict[str, Any]
+) -> None:
     robot = irb.load_robot("irb2400")
-    effect = LIBRARY["link_inertia"].of(4, mass_kg=-500.0)
+    effect = LIBRARY[kind].of(joint, **numbers)
     acceptance = Acceptance(SimpleNamespace(robot=robot), Criteria())  # type: ignore[arg-type]
     step: Any = SimpleNamespace(candidate=SimpleNamespace(effects=(effect,)))
     fit: Any = SimpleNamespace(effects=(effect,))
