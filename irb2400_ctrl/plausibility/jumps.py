@@ -7,6 +7,7 @@ import numpy as np
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.measurement.log import Log
+from irb2400_ctrl.measurement.motion.held_samples import thawed
 from irb2400_ctrl.plausibility.problem import LogProblem, named
 
 MOVES = 0.02
@@ -65,6 +66,7 @@ def wrapped(log: Log) -> LogProblem | None:
 def cut(log: Log) -> LogProblem | None:
     """A step that is no motion: rows are missing and their time with them, or an encoder caught
     up."""
+    log = thawed(log)[0]  # frames that freeze are left out, and with them the way back
     steps = np.abs(np.diff(log.q, axis=0))
     passed = np.diff(log.time)
     # a packet that came late leaves its step hardly any time

@@ -148,3 +148,52 @@ def test_too_few_new_samples_are_refused_and_the_others_remarked_on() -> None:
     assert channel_problem(enough) is None
     assert prepare(enough).remarks[0] == released(enough)[1]
     assert prepare(whole).remarks == ()
+
+
+def test_frames_that_freeze_now_and_then_are_left_out() -> None:
+    """Torques that stood still for 48 ms twice a second were a push of 200 N at 0.97."""
+    whole = log()
+    tau = whole.tau.copy()
+    starts = [200, 700, 1500, 2400]
+    for start in starts:
+        tau[start + 1 : start + 13] = tau[start]
+    fresh, said = released(replace(whole, tau=tau))
+    assert said == (
+        "all torques stand still 4 times while the arm moves, for 48 ms in the mean: these rows, "
+        "1.6 % of all, are left out"
+    )
+    stale = np.concatenate([np.arange(s + 1, s + 13) for s in starts])
+    np.testing.assert_array_equal(fresh.time, np.delete(TIME, stale))
+    np.testing.assert_array_equal(fresh.tau, np.delete(whole.tau, stale, axis=0))
+    # whole frames: the angles stand still too, and jump to where they have come
+    q = whole.q.copy()
+    for start in starts:
+        q[start + 1 : start + 13] = q[start]
+    frames = replace(whole, q=q, tau=tau)
+    assert len(released(frames)[0].time) == len(TIME) - len(stale)
+    assert channel_problem(frames) is None
+    # an encoder that slips while torques go on is one
+    slipped = channel_problem(replace(whole, q=q))
+    assert slipped is not None
+    assert slipped.kind == "angle_jump"
+    remarks = prepare(replace(whole, tau=tau)).remarks
+    assert remarks[0] == said
+
+
+def test_what_stands_still_by_chance_or_at_rest_stays() -> None:
+    whole = log()
+    tau = whole.tau.copy()
+    tau[200:203] = tau[200]  # two rows that repeat
+    assert released(replace(whole, tau=tau))[1] == ""
+    # one joint's sensor alone
+    tau[300:400, 1] = tau[300, 1]
+    assert released(replace(whole, tau=tau))[1] == ""
+    # an arm that rests
+    q = whole.q.copy()
+    q[300:400] = q[300] + 1e-6 * np.random.default_rng(1).standard_normal((100, 3))
+    tau[300:400] = tau[300]
+    q[400:] += q[399] - q[400]
+    assert released(replace(whole, q=q, tau=tau))[1] == ""
+    # steps so coarse that torques seldom change
+    coarse = np.round(whole.tau / 30.0) * 30.0
+    assert released(replace(whole, tau=coarse))[1] == ""

@@ -3,7 +3,8 @@ angles, topics joined row by row, every sample written several times.
 
 What is held comes late, by half of the time for which it is held in the mean, and no model knows
 that: the rows are used in which it is new. Where angles and torques are new in different rows, the
-angles are interpolated between their own, being the smoother of the two.
+angles are interpolated between their own, being the smoother of the two. Where all torques stand
+still only now and then, rows are left out.
 """
 
 from __future__ import annotations
@@ -29,6 +30,10 @@ SLOWEST = 20.0
 """[Hz] of new samples, below which the torque of a moving arm is not resolved"""
 FEWEST = 20
 """new samples"""
+FROZEN = 3
+"""rows one after another that repeat all torques to the last digit: no noise does that"""
+MOVING = 0.02
+"""[rad/s] of some joint meanwhile"""
 
 
 def new_rows(values: Array, time: Array) -> Mask | None:
@@ -68,7 +73,7 @@ def released(log: Log) -> tuple[Log, str]:
     angles = new_rows(log.q, log.time)
     rows = angles if torques is None else torques
     if rows is None:
-        return log, ""
+        return thawed(log)
     kept = np.flatnonzero(rows)
     if angles is not None:
         ends = np.flatnonzero(angles)[[0, -1]]
@@ -94,6 +99,39 @@ def released(log: Log) -> tuple[Log, str]:
     return fresh, (
         f"{', '.join(said)}, and held in the others: the rows with new {what} are used, "
         f"{mean:.4g} a second"
+    )
+
+
+def thawed(log: Log) -> tuple[Log, str]:
+    """A log without the rows in which all torques stand still now and then while the arm moves, as
+    where a driver repeats its last frame, and what to say of that."""
+    unchanged = np.diff(log.tau, axis=0) == 0.0
+    edges = np.diff(np.concatenate([[False], unchanged.all(axis=1), [False]]).astype(int))
+    starts = np.flatnonzero(edges == 1)  # the last rows that are new
+    stops = np.flatnonzero(edges == -1)  # the last that repeat them
+    passed = log.time[stops] - log.time[starts]
+    moved = np.abs(log.q[np.minimum(stops + 1, len(log.q) - 1)] - log.q[starts]).max(axis=1)
+    frozen = (stops - starts >= FROZEN) & (moved > MOVING * passed)
+    stale = np.zeros(len(log.tau), dtype=bool)
+    for start, stop in zip(starts[frozen], stops[frozen], strict=True):
+        stale[start + 1 : stop + 1] = True
+    share = stale.mean()
+    if not frozen.any() or np.prod(unchanged.mean(axis=0)) > BY_CHANCE * share:
+        return log, ""
+    kept = ~stale
+    thawed = replace(
+        log,
+        time=log.time[kept],
+        q=log.q[kept],
+        tau=log.tau[kept],
+        qd=None if log.qd is None else log.qd[kept],
+        q_ref=None if log.q_ref is None else log.q_ref[kept],
+        extra={name: np.asarray(column)[kept] for name, column in log.extra.items()},
+    )
+    return thawed, (
+        f"all torques stand still {frozen.sum()} times while the arm moves, for "
+        f"{1e3 * passed[frozen].mean():.0f} ms in the mean: these rows, {100.0 * share:.2g} % of "
+        "all, are left out"
     )
 
 
