@@ -197,3 +197,9 @@ def test_what_stands_still_by_chance_or_at_rest_stays() -> None:
     # steps so coarse that torques seldom change
     coarse = np.round(whole.tau / 30.0) * 30.0
     assert released(replace(whole, tau=coarse))[1] == ""
+    # a simulated axis that turns about the vertical at constant speed, without noise
+    speed = np.where((TIME > 3.0) & (TIME < 6.0), 0.0, np.sin(TIME))
+    q = np.zeros((len(TIME), 3))
+    q[:, 0] = TIME
+    smooth = np.column_stack([speed, 2.0 * speed, np.zeros(len(TIME))]) + 7.0
+    assert released(Log(TIME, q, smooth))[1] == ""

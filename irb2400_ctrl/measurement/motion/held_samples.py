@@ -34,6 +34,9 @@ FROZEN = 3
 """rows one after another that repeat all torques to the last digit: no noise does that"""
 MOVING = 0.02
 """[rad/s] of some joint meanwhile"""
+NOISY = 0.5
+"""second over first differences of a torque, from which its noise lets no row repeat another; of a
+smooth one, as at constant speed in a simulation, they are a few per cent"""
 
 
 def new_rows(values: Array, time: Array) -> Mask | None:
@@ -115,11 +118,15 @@ def thawed(log: Log) -> tuple[Log, str]:
     stale = np.zeros(len(log.tau), dtype=bool)
     for start, stop in zip(starts[frozen], stops[frozen], strict=True):
         stale[start + 1 : stop + 1] = True
-    share = stale.mean()
-    if not frozen.any() or np.prod(unchanged.mean(axis=0)) > BY_CHANCE * share:
-        return log, ""
     kept = ~stale
-    thawed = replace(
+    share = stale.mean()
+    if not frozen.any() or kept.sum() < FEWEST:
+        return log, ""
+    first, second = (np.median(np.abs(np.diff(log.tau[kept], k, axis=0)), axis=0) for k in (1, 2))
+    by_chance = np.prod(unchanged.mean(axis=0)) > BY_CHANCE * share
+    if by_chance or not (second > NOISY * first).any():
+        return log, ""
+    fresh = replace(
         log,
         time=log.time[kept],
         q=log.q[kept],
@@ -128,7 +135,7 @@ def thawed(log: Log) -> tuple[Log, str]:
         q_ref=None if log.q_ref is None else log.q_ref[kept],
         extra={name: np.asarray(column)[kept] for name, column in log.extra.items()},
     )
-    return thawed, (
+    return fresh, (
         f"all torques stand still {frozen.sum()} times while the arm moves, for "
         f"{1e3 * passed[frozen].mean():.0f} ms in the mean: these rows, {100.0 * share:.2g} % of "
         "all, are left out"
