@@ -28,6 +28,9 @@ from irb2400_ctrl.diagnosis.regressors.predict import effect_torque
 from irb2400_ctrl.effects import Effect
 from irb2400_ctrl.measurement.prepared_log import PreparedLog
 
+ALIKE = 0.8
+"""share of a stated effect's torque along that of another from which it passes for that"""
+
 
 def findings_of(
     prior: BasePrior | IdentifiedPrior,
@@ -53,7 +56,7 @@ def findings_of(
             torque = effect_torque(fitter.bases, effect, motion, filtered=True)
             share = _share(torque, measured)
             joint = int(np.argmax(share)) if effect.joint is None else effect.index
-            instead = changed_instead(effect, fitter)
+            instead = changed_instead(effect, torque, fitter)
             sure = confidence(step)
             found.append(
                 Finding(
@@ -85,19 +88,35 @@ def findings_of(
     return tuple(found)
 
 
-def changed_instead(effect: Effect, fitter: Fitter) -> tuple[str, ...]:
-    """Kinds that the robot's file states on the joint of an effect and that pass for it: they may
-    have become less in its place."""
-    if changed_of(effect, fitter.stated) is not None:
-        return ()
+def changed_instead(effect: Effect, torque: Array, fitter: Fitter) -> tuple[str, ...]:
+    """Kinds that the robot's file states on the joint of an effect, as large as that and of the
+    same course, up to a constant: they may have become less in its place. Those of which another
+    strength was among what was looked for (`of_changing_strength`) have had their turn.
 
-    def passes(one: Effect) -> bool:
-        own = effect.ambiguity
-        alike = own.group == one.ambiguity.group
-        either = one.kind in own.passing or effect.kind in one.ambiguity.passing
-        return one.joint == effect.joint and one.kind != effect.kind and (alike or either)
+    Args:
+        effect: that was found; torque: of it, filtered, shape (rows, n) [Nm].
+        fitter: of the log.
+    """
 
-    return tuple(dict.fromkeys(one.kind for one in fitter.robot.effects if passes(one)))
+    def course(of: Array) -> Array:
+        return np.asarray(of - of.mean(axis=0))
+
+    def alike(one: Effect) -> bool:
+        other = course(effect_torque(fitter.bases, one, fitter.motion, filtered=True))
+        own = course(torque)
+        size = float(np.linalg.norm(own))
+        return abs(float(np.sum(own * other))) > ALIKE * size * max(
+            float(np.linalg.norm(other)), size
+        )
+
+    stated = [
+        one
+        for one in fitter.robot.effects
+        if (one.chain, one.joint) == ("torque", effect.joint)
+        and one.kind != effect.kind
+        and changed_of(one, fitter.stated) is None
+    ]
+    return tuple(dict.fromkeys(one.kind for one in stated if alike(one)))
 
 
 def _gain(step: Step, effect: Effect, joint: int) -> float:

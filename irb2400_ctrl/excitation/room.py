@@ -77,9 +77,9 @@ def with_room(robot: Robot, narrow: bool = False) -> Robot:
     if len(near) == 0:
         floor, column = floor_and_column(robot)
         raise InfeasibleError(
-            f"{robot.name}: found flange or tool within {floor:.2f} m of the base plane or "
-            f"{column:.2f} m of axis 1 wherever the joints may go, expected room; wider range_deg, "
-            "or the frames of base and flange as they are"
+            f"{robot.name}: found flange or tool less than {floor:.2f} m above the base plane or "
+            f"{column:.2f} m from axis 1 at every posture that was tried, expected room; wider "
+            "range_deg, or the frames of base and flange as they are"
         )
     around = rng.uniform(-1.0, 1.0, (_AROUND, robot.n))
     for wide in _WIDTHS:

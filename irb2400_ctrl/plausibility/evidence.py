@@ -130,6 +130,11 @@ class Nominal:
         without = Model(self.robot.model_copy(update={"effects": others}))
         return replace(self, built=self.model, unbalanced=without)
 
+    @property
+    def balanced(self) -> list[int]:
+        """Joints (from 0) with a balancer."""
+        return sorted({e.index for e in self.robot.effects if isinstance(e, Balancer)})
+
     @cached_property
     def spreads(self) -> Array:
         """Standard deviations of phi of all links, payload in the last, shape (10 n,)."""
@@ -153,18 +158,20 @@ class Nominal:
         masses = np.maximum(self.robot.inertial_parameters[:, 0], 1e-3)
         spreads = self.spreads.reshape(-1, 10)[:, 0]
         np.divide(-masses, spreads, out=bounds[:, 0], where=spreads > 0.0)
-        return bounds.ravel() if self.unbalanced is None else np.append(bounds.ravel(), -1.0)
+        free = 0 if self.unbalanced is None else len(self.balanced)
+        return np.append(bounds.ravel(), np.full(free, -1.0))
 
     def columns(self, rows: Rows) -> tuple[Array, Array]:
         """Nominal torque without friction (m, n) and its slopes per standard deviation of delta
-        (m, n, 10 n), and per stated strength of the balancers, where that is free."""
+        (m, n, 10 n), and per stated strength of each joint's balancers, where that is free."""
         motion = (rows.q, rows.qd, rows.qdd)
         tau = np.asarray(self.model.inverse_dynamics(*motion, friction=False))
         Y = np.asarray(self.model.regressor(*motion)) * self.spreads
         if self.unbalanced is None:
             return tau, Y
         held = tau - np.asarray(self.unbalanced.inverse_dynamics(*motion, friction=False))
-        return tau, np.concatenate([Y, held[:, :, None]], axis=2)
+        each = held[:, :, None] * np.eye(self.robot.n)[:, self.balanced]
+        return tau, np.concatenate([Y, each], axis=2)
 
     def explained(self, rows: Rows, columns: tuple[Array, Array], misfit: float = MISFIT) -> Fit:
         """The best account of the rows, and its evidence.

@@ -8,7 +8,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from irb2400_ctrl.arrays import Array
-from irb2400_ctrl.effects.balancer import Balancer
 from irb2400_ctrl.measurement.log import Log
 from irb2400_ctrl.plausibility.criteria import (
     FITS_PRICE,
@@ -105,13 +104,13 @@ def understand(robot: Robot, log: Log) -> Understanding | None:
     if unstated.explained(rows, columns).cost < nominal.explained(rows, columns).cost - ASKED:
         nominal = unstated
     found = _understood(nominal, log, rows)
-    balanced = [e.index + 1 for e in robot.effects if isinstance(e, Balancer)]
-    if balanced and not sound(found.labelled, robot.n):
+    if nominal.balanced and not sound(found.labelled, robot.n):
         # a gas spring loses its pressure: no column is wrong that fits with another strength
-        freed = _understood(nominal.with_free_balancers(), log, rows)
-        if sound(freed.labelled, robot.n):
-            joints = " and ".join(f"joint {j}" for j in sorted(set(balanced)))
-            return replace(freed, although=OTHER_STRENGTH.format(joints=joints))
+        freed = nominal.with_free_balancers()
+        if sound(freed.explained(rows, freed.columns(rows)), robot.n):
+            joints = " and ".join(f"joint {j + 1}" for j in nominal.balanced)
+            said = OTHER_STRENGTH.format(joints=joints)
+            return replace(_understood(freed, log, rows), although=said)
     stated = robot.friction.any() and robot.identified is None
     if sound(found.labelled, robot.n) or not stated:
         return found

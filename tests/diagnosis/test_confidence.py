@@ -48,6 +48,7 @@ def test_a_law_of_the_angle_beside_a_slow_ripple_is_none_to_be_sure_of() -> None
     ripple = tried("gear_ripple", 2, -300.0)
     assert confidence(step("cable_spring", 5000.0, ripple)) == 0.5
     assert confidence(step("cable_spring", 5000.0)) > 0.98
+    assert confidence(step("cable_spring", 5000.0, tried("gear_ripple", 3, -300.0))) > 0.95
     assert confidence(step("cable_spring", 5000.0, tried("payload", 2, -300.0))) > 0.95
     assert confidence(step("load_friction", 5000.0, ripple)) > 0.95
     # one that is far behind is no alternative

@@ -83,3 +83,15 @@ def test_a_spring_pulls_towards_an_angle_near_its_joints_range(neutral: float, t
     its friction; axis 2 of the IRB 2400 turns from -100 to 110 degrees."""
     spring = LIBRARY["cable_spring"].of(2, stiffness_Nm_rad=5.0, neutral_rad=neutral)
     assert relaxes_within_reach(irb.load_robot("irb2400"), spring) == there
+
+
+def test_a_spring_is_held_against_the_one_that_the_file_states() -> None:
+    """Of a spring of 30 Nm/rad at 0.3 rad that is one of 33 at 0.6 the difference pulls to 3.6."""
+    robot = irb.load_robot("irb2400")
+    spring = LIBRARY["cable_spring"]
+    change = spring.of(3, stiffness_Nm_rad=3.0, neutral_rad=3.6)
+    assert not relaxes_within_reach(robot, change)
+    stated = robot.with_effects(spring.of(3, stiffness_Nm_rad=30.0, neutral_rad=0.3))
+    assert relaxes_within_reach(stated, change)
+    elsewhere = robot.with_effects(spring.of(2, stiffness_Nm_rad=30.0, neutral_rad=0.3))
+    assert not relaxes_within_reach(elsewhere, change)

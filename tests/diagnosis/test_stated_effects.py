@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from independent_plant import Case
 
-from irb2400_ctrl.diagnosis import Curve, Finding, diagnose
+from irb2400_ctrl.diagnosis import Curve, Finding, diagnose, findings
 from irb2400_ctrl.diagnosis.estimation.effect_parameters import (
     changed_of,
     of_changing_strength,
@@ -124,15 +124,30 @@ def test_what_passes_for_a_stated_effect_may_be_that_one_become_less() -> None:
     assert "cable_spring" in one.alternatives
 
 
-def test_an_effect_elsewhere_or_of_no_like_is_no_change_of_a_stated_one() -> None:
-    balancer = LIBRARY["balancer"]
+@pytest.mark.parametrize(
+    ("kind", "joint", "shares", "listed"),
+    [
+        ("balancer", 3, (0.9, 0.1), True),
+        ("balancer", 3, (0.5, 0.9), False),  # of another course
+        ("balancer", 3, (3.0, 0.0), False),  # more than the file states
+        ("balancer", 2, (0.9, 0.1), False),  # elsewhere
+        ("cable_spring", 3, (0.9, 0.1), False),  # that itself
+    ],
+)
+def test_what_may_have_become_less_is_of_that_joint_and_course(
+    kind: str, joint: int, shares: tuple[float, float], listed: bool, monkeypatch: Any
+) -> None:
+    rng = np.random.default_rng(3)
+    lost, other = np.zeros((2, 400, 6))
+    lost[:, 2], other[:, 2] = rng.normal(size=(2, 400))
     spring = LIBRARY["cable_spring"].of(3, stiffness_Nm_rad=30.0)
-    fitter: Any = SimpleNamespace(robot=SimpleNamespace(effects=(spring,)), stated=())
-    assert changed_instead(balancer.of(3, **balancer.example), fitter) == ("cable_spring",)
-    assert changed_instead(balancer.of(2, **balancer.example), fitter) == ()
-    assert changed_instead(LIBRARY["load_friction"].of(3, coefficient=0.1), fitter) == ()
-    assert changed_instead(spring, fitter) == ()
-    # of another strength itself
-    fitter = SimpleNamespace(robot=SimpleNamespace(effects=(STATED, spring)), stated=(STATED,))
-    weaker = STATED.model_copy(update={"torque_Nm": -100.0})
-    assert changed_instead(weaker, fitter) == ()
+    fitter: Any = SimpleNamespace(
+        robot=SimpleNamespace(effects=(spring,)), stated=(), bases=None, motion=None
+    )
+    monkeypatch.setattr(findings, "effect_torque", lambda *given, **options: lost)
+    effect = LIBRARY[kind].of(joint, **LIBRARY[kind].example)
+    torque = -shares[0] * lost + shares[1] * other + 5.0
+    assert changed_instead(effect, torque, fitter) == (("cable_spring",) if listed else ())
+    # what was looked for as another strength has had its turn
+    fitter.stated = (spring,)
+    assert changed_instead(effect, torque, fitter) == ()

@@ -203,3 +203,31 @@ def test_what_stands_still_by_chance_or_at_rest_stays() -> None:
     q[:, 0] = TIME
     smooth = np.column_stack([speed, 2.0 * speed, np.zeros(len(TIME))]) + 7.0
     assert released(Log(TIME, q, smooth))[1] == ""
+
+
+@pytest.mark.parametrize("joints", [1, 2, 3])
+def test_frames_freeze_on_arms_of_any_number_of_joints(joints: int) -> None:
+    whole = log()
+    tau = whole.tau[:, :joints].copy()
+    starts = np.arange(100, 2900, 60)
+    for start in starts:
+        tau[start + 1 : start + 16] = tau[start]
+    fresh, said = released(Log(TIME, whole.q[:, :joints], tau))
+    assert said.startswith(f"all torques stand still {len(starts)} times")
+    assert len(fresh.time) == len(TIME) - 15 * len(starts)
+
+
+def test_an_arm_at_rest_is_no_frame_that_froze_however_its_encoders_flicker() -> None:
+    rng = np.random.default_rng(7)
+    whole = log()
+    q = whole.q.copy()
+    tau = np.round(whole.tau, 1)
+    q[500:1500] = q[500]
+    q[1500:] += q[500] - q[1500]
+    tau[500:1500] = tau[500]
+    q += 2e-4 * rng.standard_normal(q.shape)
+    assert released(replace(whole, q=q, tau=tau))[1] == ""
+    # nor is a stretch that lasts
+    tau = whole.tau.copy()
+    tau[500:600] = tau[500]
+    assert released(replace(whole, tau=tau))[1] == ""

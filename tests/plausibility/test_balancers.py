@@ -18,13 +18,14 @@ ROBOT = load_robot("irb2400").with_effects(STATED)
 OTHER = "another strength of the balancer that the file states (joint 2)"
 
 
-def recorded(seed: int, share: float) -> Log:
-    """A motion of the arm with so much of the balancer's strength."""
+def recorded(seed: int, share: float, on_third: float = 0.0) -> Log:
+    """A motion of the arm with so much of the balancer's strength, and of such a one on joint 3."""
     seen = Case(seed, duration=16.0, validation_duration=3.0).simulate()[0]
-    d = seen.q[:, 1] - 0.1
+    d = seen.q[:, 1:3] - 0.1
     length = np.sqrt(1.0 + 0.25**2 - 0.5 * np.cos(d))
     tau = seen.tau.copy()
-    tau[:, 1] += share * 600.0 * (1.0 + 2.0 * 0.75 / length) * np.sin(d)
+    strength = 600.0 * np.array([share, on_third])
+    tau[:, 1:3] += strength * (1.0 + 2.0 * 0.75 / length) * np.sin(d)
     return Log(seen.time, seen.q, tau, q_ref=seen.q_ref)
 
 
@@ -34,6 +35,17 @@ def test_a_balancer_that_has_lost_strength_is_told(seed: int, share: float) -> N
     found = check_log(ROBOT, recorded(seed, share))
     assert found.problem is None
     assert any(OTHER in remark for remark in found.remarks)
+
+
+def test_of_two_balancers_one_alone_may_have_lost_strength() -> None:
+    """No strength for both fits then."""
+    both = ROBOT.with_effects(STATED.model_copy(update={"joint": 3, "torque_Nm": 300.0}))
+    as_stated = check_log(both, recorded(3529001, 1.0, 0.5)).remarks
+    assert not any("another strength" in remark for remark in as_stated)
+    for shares in ((0.0, 0.5), (1.0, 0.0)):
+        found = check_log(both, recorded(3529001, *shares))
+        assert found.problem is None, shares
+        assert any("(joint 2 and joint 3)" in remark for remark in found.remarks)
 
 
 def test_one_as_strong_as_stated_is_not() -> None:

@@ -106,12 +106,15 @@ def within_reach(robot: Robot, effect: Effect) -> bool:
 
 
 def relaxes_within_reach(robot: Robot, effect: Effect) -> bool:
-    """Whether the angle at which a spring pulls at nothing is within a quarter turn of its joint's
-    range: one far beyond it pulls at all angles alike, as an offset does."""
+    """Whether the angle at which a spring, with those that the file states, pulls at nothing is
+    within a quarter turn of its joint's range: one far beyond it pulls at all angles alike, as an
+    offset does."""
     if not isinstance(effect, CableSpring):
         return True
     j = effect.index
-    return bool(robot.q_min[j] - BEYOND <= effect.neutral_rad <= robot.q_max[j] + BEYOND)
+    stated = [e for e in robot.effects if isinstance(e, CableSpring) and e.index == j]
+    k, constant = np.sum([e.coefficients() for e in (effect, *stated)], axis=0)
+    return bool((robot.q_min[j] - BEYOND) * k <= -constant <= (robot.q_max[j] + BEYOND) * k)
 
 
 def can_be_taken_off(robot: Robot, effect: Effect) -> bool:
@@ -240,7 +243,8 @@ class Acceptance:
         the tool passes for a delay of all joints, but not of the same on each.
 
         Held against factors 1 + z_j of its torque on each joint, z_j ~ N(0, 1); of a joint with a
-        flexible law, which takes in as much of it as it likes, nothing is known.
+        flexible law, which takes in as much of it as it likes, nothing is known, but where two
+        others are there to tell.
         """
         candidate = steps[place].candidate
         if candidate.joint is not None or candidate.everywhere:
@@ -250,10 +254,10 @@ class Acceptance:
         for k in effects_of([s.candidate for s in steps], place):
             size = np.array(fit.effects[k].coefficients())
             torque[:, range(n), range(n)] += self.fitter.placed(fit.effects[k]) @ size
-        flexible = {s.candidate.joint for s in steps if not s.candidate.known}
+        laws = [s.candidate for s in steps if not s.candidate.known]
+        flexible = {law.joint for law in laws if law.depends_on != ("time",)}
         joints = [j for j in range(n) if j + 1 not in flexible]
-        if len(joints) < 2:
-            return True
+        joints = joints if len(joints) >= 2 else list(range(n))
         own = Problem(fit.y, fit.Z, fit.noise).score(
             RegressorColumns(tuple(joints), torque[:, joints][:, :, joints]),
             expected=[(0.0, 1.0)] * len(joints),

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from irb2400_ctrl.diagnosis.comparison.comparison import Alternative
 from irb2400_ctrl.diagnosis.comparison.step import Step
 from irb2400_ctrl.effects import LIBRARY
 from irb2400_ctrl.effects.gear_ripple import GearRipple
@@ -31,8 +32,8 @@ LOOKALIKE_CAP = 0.75
 elastic joints were right in 12 of 17"""
 
 SLOW_RIPPLE_CAP = 0.5
-"""no law of the angle is surer that a ripple of few periods a turn passes for over the travel: on
-58 arms of a plant whose gears have such ripples, cable springs were right in 1 of 11; with springs
+"""no cable spring is surer that a ripple of its joint passes for over the travel: on 58 arms of a
+plant whose gears have ripples of few periods a turn, 1 of 11 such springs was right; with springs
 and no such ripple (second and third plant) none had one for an alternative"""
 
 LIKELY = 12.0
@@ -45,8 +46,7 @@ def confidence(step: Step) -> float:
     """Probability that kind and joint are right."""
     margins, shares = np.array(TABLE).T
     sure = float(np.interp(np.log1p(max(step.margin, 0.0)), np.log1p(margins), shares))
-    passing = step.candidate.kind in GearRipple.ambiguity.passing
-    if passing and "gear_ripple" in alternatives(step):
+    if any(_ripples_alike(step, other) for other in step.alternatives):
         return min(sure, SLOW_RIPPLE_CAP)
     mistaken = any(e.mistaken_for for e in step.candidate.effects)
     return min(sure, LOOKALIKE_CAP) if mistaken or _lookalikes(step) else sure
@@ -59,11 +59,7 @@ def alternatives(step: Step) -> tuple[str, ...]:
     own = step.candidate.kind
     for alternative in step.alternatives:
         kind = alternative.candidate.kind
-        if (
-            alternative.candidate.known
-            and kind != own
-            and best - alternative.evidence < LIKELY + LIKELY_SHARE * step.gain
-        ):
+        if alternative.candidate.known and kind != own and _near(step, best - alternative.evidence):
             found.append(kind)
     if step.candidate.known:
         group = LIBRARY[own].ambiguity.group
@@ -78,6 +74,22 @@ def alternatives(step: Step) -> tuple[str, ...]:
             ):
                 found.append(kind)
     return tuple(dict.fromkeys((*found, *_lookalikes(step))))
+
+
+def _near(step: Step, behind: float) -> bool:
+    """Whether what is so far behind an explanation [nats] may be in its place."""
+    return behind < LIKELY + LIKELY_SHARE * step.gain
+
+
+def _ripples_alike(step: Step, other: Alternative) -> bool:
+    """Whether another explanation is a ripple that passes for this one, on the same joint."""
+    own = step.candidate
+    best = next(r.evidence for r in step.alternatives if r.candidate is own)
+    return (
+        own.kind in GearRipple.ambiguity.passing
+        and (other.candidate.kind, other.candidate.joint) == ("gear_ripple", own.joint)
+        and _near(step, best - other.evidence)
+    )
 
 
 def _lookalikes(step: Step) -> tuple[str, ...]:

@@ -150,7 +150,9 @@ class Windowing:
         # sums up to each edge: a window is the difference of two
         whole = np.zeros((count + 1, count + 1, k * k))
         blocks = gram.reshape(count, k, count, k).transpose(0, 2, 1, 3)
-        whole[1:, 1:] = blocks.reshape(count, count, -1).cumsum(axis=0).cumsum(axis=1)
+        inside = whole[1:, 1:]
+        np.cumsum(blocks.reshape(count, count, -1), axis=0, out=inside)
+        np.cumsum(inside, axis=1, out=inside)
         sums = np.zeros((count + 1, k))
         sums[1:] = right.reshape(count, k).cumsum(axis=0)
         expected = LIBRARY[law.kind].prior.coefficients

@@ -25,7 +25,7 @@ DIGITS = 3.0
 """digits by which a channel of coarse steps changes where it does, at most: it keeps its value all
 the same"""
 REST = 0.2
-"""[s] for which a value is kept by an arm at rest"""
+"""[s] for which a value is kept by an arm at rest, and no frame that froze"""
 SLOWEST = 20.0
 """[Hz] of new samples, below which the torque of a moving arm is not resolved"""
 FEWEST = 20
@@ -33,7 +33,9 @@ FEWEST = 20
 FROZEN = 3
 """rows one after another that repeat all torques to the last digit: no noise does that"""
 MOVING = 0.02
-"""[rad/s] of some joint meanwhile"""
+JITTER = 6.0
+"""how far some joint has come meanwhile, at least: at that speed [rad/s], and in medians of the
+second differences of its angle, which are those of its noise"""
 NOISY = 0.5
 """second over first differences of a torque, from which its noise lets no row repeat another; of a
 smooth one, as at constant speed in a simulation, they are a few per cent"""
@@ -69,9 +71,9 @@ def new_rows(values: Array, time: Array) -> Mask | None:
 
 
 def released(log: Log) -> tuple[Log, str]:
-    """A log's rows in which its torques are new (its angles where only these are held), and what to
-    say of that; the log itself and nothing where no channel is held, or what is new is too little.
-    """
+    """A log's rows in which its torques are new (its angles where only these are held), or without
+    those of frames that froze, and what to say of that; the log itself and nothing where no channel
+    is held, or what is new is too little."""
     torques = new_rows(log.tau, log.time)
     angles = new_rows(log.q, log.time)
     rows = angles if torques is None else torques
@@ -113,8 +115,11 @@ def thawed(log: Log) -> tuple[Log, str]:
     starts = np.flatnonzero(edges == 1)  # the last rows that are new
     stops = np.flatnonzero(edges == -1)  # the last that repeat them
     passed = log.time[stops] - log.time[starts]
-    moved = np.abs(log.q[np.minimum(stops + 1, len(log.q) - 1)] - log.q[starts]).max(axis=1)
-    frozen = (stops - starts >= FROZEN) & (moved > MOVING * passed)
+    moved = np.abs(log.q[np.minimum(stops + 1, len(log.q) - 1)] - log.q[starts])
+    least = np.maximum(
+        MOVING * passed[:, None], JITTER * np.median(np.abs(np.diff(log.q, 2, axis=0)), axis=0)
+    )
+    frozen = (stops - starts >= FROZEN) & (passed <= REST) & (moved > least).any(axis=1)
     stale = np.zeros(len(log.tau), dtype=bool)
     for start, stop in zip(starts[frozen], stops[frozen], strict=True):
         stale[start + 1 : stop + 1] = True
@@ -123,7 +128,7 @@ def thawed(log: Log) -> tuple[Log, str]:
     if not frozen.any() or kept.sum() < FEWEST:
         return log, ""
     first, second = (np.median(np.abs(np.diff(log.tau[kept], k, axis=0)), axis=0) for k in (1, 2))
-    by_chance = np.prod(unchanged.mean(axis=0)) > BY_CHANCE * share
+    by_chance = np.prod(unchanged[kept[1:]].mean(axis=0)) > BY_CHANCE * share
     if by_chance or not (second > NOISY * first).any():
         return log, ""
     fresh = replace(
