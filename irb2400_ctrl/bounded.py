@@ -19,6 +19,10 @@ def bounded_minimum(A: Array, b: Array, least: Array) -> Array:
     Which z lie on their bound is guessed and mended: all at once that are on the wrong side, and
     one by one where that helps no more, which ends (Judice, Pires, A block principal pivoting
     algorithm for large-scale strictly monotone linear complementarity problems, 1994).
+
+    Args:
+        A: curvature, shape (k, k); b: slope at nothing, (k,).
+        least: bounds, (k,); minus infinity where there is none.
     """
     free = np.ones(len(b), dtype=bool)
     slack = 1e-12 * np.abs(b).max()

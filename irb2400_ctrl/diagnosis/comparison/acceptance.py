@@ -99,10 +99,11 @@ def usual(effect: Effect) -> bool:
 def within_reach(robot: Robot, effect: Effect) -> bool:
     """Whether a body sits, or a force acts, no further from its link than `REACH`, or half of the
     arm's reach."""
-    most = max(REACH, 0.5 * robot.reach)
     if isinstance(effect, ProcessForce):
-        return effect.moment_Nm <= most * effect.force_N
-    return not isinstance(effect, AddedBody) or math.hypot(*effect.com_m) <= most
+        return effect.moment_Nm <= max(REACH, 0.5 * robot.reach) * effect.force_N
+    if isinstance(effect, AddedBody):
+        return math.hypot(*effect.com_m) <= max(REACH, 0.5 * robot.reach)
+    return True
 
 
 def relaxes_within_reach(robot: Robot, effect: Effect) -> bool:
@@ -139,8 +140,14 @@ def in_time(robot: Robot, effect: Effect) -> bool:
     return effect.delay_s + sum(e.delay_s for e in stated if not e.of_angle) > -AHEAD
 
 
-OF_THIS_ARM = (can_be_taken_off, within_reach, relaxes_within_reach, in_time)
-"""what the robot's file has to say of an effect's numbers"""
+def possible(robot: Robot, effect: Effect) -> bool:
+    """Whether an arm may have an effect of these numbers, by what its file says."""
+    return (
+        can_be_taken_off(robot, effect)
+        and within_reach(robot, effect)
+        and relaxes_within_reach(robot, effect)
+        and in_time(robot, effect)
+    )
 
 
 def own(candidate: Candidate, worth: Worth) -> float:
@@ -202,7 +209,7 @@ class Acceptance:
         candidate = chosen[place]
         fitted = [fit.effects[k] for k in effects_of(chosen, place)]
         robot = self.fitter.robot
-        if not all(usual(e) and all(fits(robot, e) for fits in OF_THIS_ARM) for e in fitted):
+        if not all(usual(e) and possible(robot, e) for e in fitted):
             return False
         if candidate.devices:
             # how a swing began is free, and its linear columns do not bear out its frequency
