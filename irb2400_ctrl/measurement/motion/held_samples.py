@@ -110,6 +110,8 @@ def released(log: Log) -> tuple[Log, str]:
 def thawed(log: Log) -> tuple[Log, str]:
     """A log without the rows in which all torques stand still now and then while the arm moves, as
     where a driver repeats its last frame, and what to say of that."""
+    if len(log.time) < FEWEST:
+        return log, ""
     unchanged = np.diff(log.tau, axis=0) == 0.0
     edges = np.diff(np.concatenate([[False], unchanged.all(axis=1), [False]]).astype(int))
     starts = np.flatnonzero(edges == 1)  # the last rows that are new
