@@ -227,6 +227,12 @@ def test_an_arm_at_rest_is_no_frame_that_froze_however_its_encoders_flicker() ->
     tau[500:1500] = tau[500]
     q += 2e-4 * rng.standard_normal(q.shape)
     assert released(replace(whole, q=q, tau=tau))[1] == ""
+    # nor is what a host reads again within a few milliseconds
+    tau = whole.tau.copy()
+    for start in range(100, 2900, 200):
+        tau[start + 1 : start + 5] = tau[start]
+    assert released(replace(whole, time=TIME / 4.0, tau=tau))[1] == ""
+    assert released(replace(whole, tau=tau))[1] != ""
     # nor is a stretch that lasts
     tau = whole.tau.copy()
     tau[500:600] = tau[500]

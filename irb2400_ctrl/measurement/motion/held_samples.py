@@ -32,6 +32,8 @@ FEWEST = 20
 """new samples"""
 FROZEN = 3
 """rows one after another that repeat all torques to the last digit: no noise does that"""
+BRIEF = 0.01
+"""[s] below which they are those of a host that polls, and late by next to nothing"""
 MOVING = 0.02
 JITTER = 6.0
 """how far some joint has come meanwhile, at least: at that speed [rad/s], and in medians of the
@@ -121,7 +123,8 @@ def thawed(log: Log) -> tuple[Log, str]:
     least = np.maximum(
         MOVING * passed[:, None], JITTER * np.median(np.abs(np.diff(log.q, 2, axis=0)), axis=0)
     )
-    frozen = (stops - starts >= FROZEN) & (passed <= REST) & (moved > least).any(axis=1)
+    lasting = (stops - starts >= FROZEN) & (passed >= BRIEF) & (passed <= REST)
+    frozen = lasting & (moved > least).any(axis=1)
     stale = np.zeros(len(log.tau), dtype=bool)
     for start, stop in zip(starts[frozen], stops[frozen], strict=True):
         stale[start + 1 : stop + 1] = True
