@@ -25,7 +25,7 @@ DIGITS = 3.0
 """digits by which a channel of coarse steps changes where it does, at most: it keeps its value all
 the same"""
 REST = 0.2
-"""[s] for which a value is kept by an arm at rest, and no frame that froze"""
+"""[s] for which a value is kept by an arm at rest"""
 SLOWEST = 20.0
 """[Hz] of new samples, below which the torque of a moving arm is not resolved"""
 FEWEST = 20
@@ -34,6 +34,8 @@ FROZEN = 3
 """rows one after another that repeat all torques to the last digit: no noise does that"""
 BRIEF = 0.01
 """[s] below which they are those of a host that polls, and late by next to nothing"""
+LASTS = 0.5
+"""[s] above which it is the torque itself that stays the same"""
 MOVING = 0.02
 JITTER = 6.0
 """how far some joint has come meanwhile, at least: at that speed [rad/s], and in medians of the
@@ -123,7 +125,7 @@ def thawed(log: Log) -> tuple[Log, str]:
     least = np.maximum(
         MOVING * passed[:, None], JITTER * np.median(np.abs(np.diff(log.q, 2, axis=0)), axis=0)
     )
-    lasting = (stops - starts >= FROZEN) & (passed >= BRIEF) & (passed <= REST)
+    lasting = (stops - starts >= FROZEN) & (passed >= BRIEF) & (passed <= LASTS)
     frozen = lasting & (moved > least).any(axis=1)
     stale = np.zeros(len(log.tau), dtype=bool)
     for start, stop in zip(starts[frozen], stops[frozen], strict=True):
