@@ -92,18 +92,18 @@ class ProcessForce(Effect):
         force = (self.force_x_N, self.force_y_N, self.force_z_N)
         return (*force, self.moment_x_Nm, self.moment_y_Nm, self.moment_z_Nm)
 
-    @property
-    def force_N(self) -> float:
-        """Size of the force [N]."""
-        return math.hypot(self.force_x_N, self.force_y_N, self.force_z_N)
-
-    @property
-    def moment_Nm(self) -> float:
-        """Size of the moment about the tool centre point [Nm]."""
-        return math.hypot(self.moment_x_Nm, self.moment_y_Nm, self.moment_z_Nm)
-
     def sizes(self) -> tuple[float, ...]:
-        return (self.force_N,)
+        return (math.hypot(self.force_x_N, self.force_y_N, self.force_z_N),)
+
+    @property
+    def lever_m(self) -> float:
+        """How far from the tool centre point the force acts at least, infinity of a moment alone
+        [m]."""
+        moment = math.hypot(self.moment_x_Nm, self.moment_y_Nm, self.moment_z_Nm)
+        (force,) = self.sizes()
+        if not force:
+            return math.inf if moment else 0.0
+        return moment / force
 
     @classmethod
     def from_coefficients(

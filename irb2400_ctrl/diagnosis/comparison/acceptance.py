@@ -99,11 +99,13 @@ def usual(effect: Effect) -> bool:
 def within_reach(robot: Robot, effect: Effect) -> bool:
     """Whether a body sits, or a force acts, no further from its link than `REACH`, or half of the
     arm's reach."""
-    if isinstance(effect, ProcessForce):
-        return effect.moment_Nm <= max(REACH, 0.5 * robot.reach) * effect.force_N
     if isinstance(effect, AddedBody):
-        return math.hypot(*effect.com_m) <= max(REACH, 0.5 * robot.reach)
-    return True
+        away = math.hypot(*effect.com_m)
+    elif isinstance(effect, ProcessForce):
+        away = effect.lever_m
+    else:
+        return True
+    return away <= max(REACH, 0.5 * robot.reach)
 
 
 def relaxes_within_reach(robot: Robot, effect: Effect) -> bool:
@@ -250,8 +252,8 @@ class Acceptance:
         the tool passes for a delay of all joints, but not of the same on each.
 
         Held against factors 1 + z_j of its torque on each joint, z_j ~ N(0, 1); of a joint with a
-        flexible law, which takes in as much of it as it likes, nothing is known, but where two
-        others are there to tell.
+        flexible law, which takes in as much of it as it likes, nothing is known: it is left out
+        where two others are there to tell.
         """
         candidate = steps[place].candidate
         if candidate.joint is not None or candidate.everywhere:

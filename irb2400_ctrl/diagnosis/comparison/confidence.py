@@ -33,8 +33,8 @@ elastic joints were right in 12 of 17"""
 
 SLOW_RIPPLE_CAP = 0.5
 """no cable spring is surer that a ripple of its joint passes for over the travel: on 58 arms of a
-plant whose gears have ripples of few periods a turn, 1 of 11 such springs was right; with springs
-and no such ripple (second and third plant) none had one for an alternative"""
+plant (not part of this project) whose gears have ripples of few periods a turn, 1 of 11 was right;
+with springs and no such ripple (second and third plant) none had one for an alternative"""
 
 LIKELY = 12.0
 """[nats] others nearer than this are alternatives"""
@@ -54,18 +54,17 @@ def confidence(step: Step) -> float:
 
 def alternatives(step: Step) -> tuple[str, ...]:
     """Kinds of the library that this log can not exclude, likeliest first."""
-    best = next(r.evidence for r in step.alternatives if r.candidate is step.candidate)
     found: list[str] = []
     own = step.candidate.kind
     for alternative in step.alternatives:
         kind = alternative.candidate.kind
-        if alternative.candidate.known and kind != own and _near(step, best - alternative.evidence):
+        if alternative.candidate.known and kind != own and _near(step, alternative):
             found.append(kind)
     if step.candidate.known:
         group = LIBRARY[own].ambiguity.group
         for alternative in step.alternatives:
             kind = alternative.candidate.kind
-            near = best - alternative.evidence < 0.4 * step.gain
+            near = step.behind(alternative) < 0.4 * step.gain
             if (
                 alternative.candidate.known
                 and kind != own
@@ -76,19 +75,18 @@ def alternatives(step: Step) -> tuple[str, ...]:
     return tuple(dict.fromkeys((*found, *_lookalikes(step))))
 
 
-def _near(step: Step, behind: float) -> bool:
-    """Whether what is so far behind an explanation [nats] may be in its place."""
-    return behind < LIKELY + LIKELY_SHARE * step.gain
+def _near(step: Step, other: Alternative) -> bool:
+    """Whether another explanation may be in the place of this one."""
+    return step.behind(other) < LIKELY + LIKELY_SHARE * step.gain
 
 
 def _ripples_alike(step: Step, other: Alternative) -> bool:
     """Whether another explanation is a ripple that passes for this one, on the same joint."""
     own = step.candidate
-    best = next(r.evidence for r in step.alternatives if r.candidate is own)
     return (
         own.kind in GearRipple.ambiguity.passing
         and (other.candidate.kind, other.candidate.joint) == ("gear_ripple", own.joint)
-        and _near(step, best - other.evidence)
+        and _near(step, other)
     )
 
 

@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-import numpy as np
-
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.diagnosis.comparison.comparison import Alternative
 from irb2400_ctrl.diagnosis.estimation.candidate import Candidate
@@ -40,6 +38,11 @@ class Step:
         )
         return replace(self, candidate=candidate, alternatives=alternatives)
 
+    def behind(self, other: Alternative) -> float:
+        """Evidence of the candidate over that of another explanation [nats]."""
+        best = next(r.evidence for r in self.alternatives if r.candidate is self.candidate)
+        return best - other.evidence
+
     @property
     def margin(self) -> float:
         """Evidence over the best other effect of the library [nats]; the gain itself where there is
@@ -48,13 +51,12 @@ class Step:
         For a non-parametric law: over the best effect. A flexible function of the same signals is
         no rival of a law.
         """
-        best = next(r.evidence for r in self.alternatives if r.candidate is self.candidate)
         others = [
-            r.evidence
+            self.behind(r)
             for r in self.alternatives
             if r.candidate.known and not _same(r.candidate, self.candidate)
         ]
-        return float(min(best - max(others, default=-np.inf), self.gain))
+        return float(min([*others, self.gain]))
 
 
 def _same(one: Candidate, other: Candidate) -> bool:

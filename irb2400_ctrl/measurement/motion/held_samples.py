@@ -89,15 +89,7 @@ def released(log: Log) -> tuple[Log, str]:
         kept = kept[(kept >= ends[0]) & (kept <= ends[1])]
     if len(kept) < FEWEST or len(kept) < SLOWEST * log.duration:
         return log, ""
-    fresh = replace(
-        log,
-        time=log.time[kept],
-        q=_at(kept, log.q, log.time),
-        tau=log.tau[kept],
-        qd=None if log.qd is None else _at(kept, log.qd, log.time),
-        q_ref=None if log.q_ref is None else _at(kept, log.q_ref, log.time),
-        extra={name: np.asarray(column)[kept] for name, column in log.extra.items()},
-    )
+    fresh = _rows(log, kept)
     said = [
         f"{name} are new in {100.0 * np.mean(new):.0f} % of the rows only"
         for name, new in (("torques", torques), ("angles", angles))
@@ -138,19 +130,23 @@ def thawed(log: Log) -> tuple[Log, str]:
     by_chance = np.prod(unchanged[kept[1:]].mean(axis=0)) > BY_CHANCE * share
     if by_chance or not (second > NOISY * first).any():
         return log, ""
-    fresh = replace(
-        log,
-        time=log.time[kept],
-        q=log.q[kept],
-        tau=log.tau[kept],
-        qd=None if log.qd is None else log.qd[kept],
-        q_ref=None if log.q_ref is None else log.q_ref[kept],
-        extra={name: np.asarray(column)[kept] for name, column in log.extra.items()},
-    )
-    return fresh, (
+    return _rows(log, np.flatnonzero(kept)), (
         f"all torques stand still {frozen.sum()} times while the arm moves, for "
         f"{1e3 * passed[frozen].mean():.0f} ms in the mean: these rows, {100.0 * share:.2g} % of "
         "all, are left out"
+    )
+
+
+def _rows(log: Log, kept: Integers) -> Log:
+    """Some rows of a log, in which its torques are new."""
+    return replace(
+        log,
+        time=log.time[kept],
+        q=_at(kept, log.q, log.time),
+        tau=log.tau[kept],
+        qd=None if log.qd is None else _at(kept, log.qd, log.time),
+        q_ref=None if log.q_ref is None else _at(kept, log.q_ref, log.time),
+        extra={name: np.asarray(column)[kept] for name, column in log.extra.items()},
     )
 
 
