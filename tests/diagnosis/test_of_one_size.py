@@ -84,6 +84,7 @@ def test_a_flexible_law_tells_nothing_of_the_size_of_a_law_of_the_whole_arm() ->
 
     assert of_one_size([1.0, 1.0, 1.0], [])
     assert not of_one_size([1.0, 1.0, 0.0], [])
+    assert not of_one_size([1.0, 0.0, 1.0], [])
     assert of_one_size([1.0, 1.0, 0.0], [3])
     assert not of_one_size([1.0, 0.0, 1.0], [3])
     # fewer than two joints tell nothing of it: then all are asked, as well as they tell it

@@ -194,11 +194,20 @@ def test_what_stands_still_by_chance_or_at_rest_stays() -> None:
     tau[300:400] = tau[300]
     q[400:] += q[399] - q[400]
     assert released(replace(whole, q=q, tau=tau))[1] == ""
+    # nor one that creeps, however well its encoders read
+    q = whole.q.copy()
+    q[300:400] = q[300] + 0.01 * (TIME[300:400, None] - TIME[300])
+    q[400:] += q[399] - q[400]
+    assert released(replace(whole, q=q, tau=tau))[1] == ""
+    # steps as coarse as the noise: now and then all torques stay the same by chance
+    coarse = np.round(whole.tau / 0.5) * 0.5
+    assert released(replace(whole, tau=coarse))[1] == ""
+    assert released(Log(TIME, whole.q[:, :2], coarse[:, :2]))[1] == ""
     # steps so coarse that torques seldom change
     coarse = np.round(whole.tau / 30.0) * 30.0
     assert released(replace(whole, tau=coarse))[1] == ""
     # a simulated axis that turns about the vertical at constant speed, without noise
-    speed = np.where((TIME > 3.0) & (TIME < 6.0), 0.0, np.sin(TIME))
+    speed = np.where((TIME > 3.0) & (TIME < 3.4), 0.0, np.sin(TIME))
     q = np.zeros((len(TIME), 3))
     q[:, 0] = TIME
     smooth = np.column_stack([speed, 2.0 * speed, np.zeros(len(TIME))]) + 7.0
@@ -227,6 +236,9 @@ def test_an_arm_at_rest_is_no_frame_that_froze_however_its_encoders_flicker() ->
     tau[500:1500] = tau[500]
     q += 2e-4 * rng.standard_normal(q.shape)
     assert released(replace(whole, q=q, tau=tau))[1] == ""
+    six = np.hstack([tau, np.roll(tau, 1, axis=1)])
+    six[500:1500] = np.round(six[500] + 0.025 * rng.standard_normal((1000, 6)), 1)
+    assert released(Log(TIME, np.hstack([q, q]), six))[1] == ""
     # nor is what a host reads again within a few milliseconds
     tau = whole.tau.copy()
     for start in range(100, 2900, 200):
