@@ -11,9 +11,11 @@ from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.diagnosis.body_estimates import body_estimates
 from irb2400_ctrl.diagnosis.comparison.acceptance import INFLATION
 from irb2400_ctrl.diagnosis.comparison.confidence import (
+    LITTLE_CAP,
     LOOKALIKE_CAP,
     alternatives,
     confidence,
+    says_little,
 )
 from irb2400_ctrl.diagnosis.comparison.step import Step
 from irb2400_ctrl.diagnosis.curves import UNITS, binned_curve
@@ -28,6 +30,8 @@ from irb2400_ctrl.diagnosis.regressors.predict import effect_torque
 from irb2400_ctrl.effects import Effect
 from irb2400_ctrl.measurement.prepared_log import PreparedLog
 
+ACTS = 1e-3
+"""share of its most on one joint from which an effect acts on another"""
 ALIKE = 0.8
 """share of a stated effect's torque along that of another from which it passes for that"""
 
@@ -57,12 +61,16 @@ def findings_of(
             share = _share(torque, measured)
             joint = int(np.argmax(share)) if effect.joint is None else effect.index
             instead = changed_instead(effect, torque, fitter)
-            sure = confidence(step)
+            # how a transmission swings on unseen rows nobody knows
+            gain = None if step.candidate.devices else _gain(step, share)
+            caps = [LOOKALIKE_CAP] if instead else []
+            if gain is not None and says_little(effect, gain, float(share.max())):
+                caps.append(LITTLE_CAP)
             found.append(
                 Finding(
                     effect=effect,
                     standard_errors=_standard_errors(fit, place, step.candidate),
-                    confidence=min(sure, LOOKALIKE_CAP) if instead else sure,
+                    confidence=min(confidence(step), *caps, 1.0),
                     alternatives=tuple(dict.fromkeys((*alternatives(step), *instead))),
                     list=list_of(effect, change),
                     gain=step.gain,
@@ -79,8 +87,7 @@ def findings_of(
                         period=effect.period,
                         turned=effect.drawing.against_motion,
                     ),
-                    # how a transmission swings on unseen rows nobody knows
-                    validation_gain=None if step.candidate.devices else _gain(step, effect, joint),
+                    validation_gain=gain,
                     stated=changed_of(effect, fitter.stated),
                 )
             )
@@ -119,12 +126,11 @@ def changed_instead(effect: Effect, torque: Array, fitter: Fitter) -> tuple[str,
     return tuple(dict.fromkeys(one.kind for one in stated if alike(one)))
 
 
-def _gain(step: Step, effect: Effect, joint: int) -> float:
-    """On unseen rows of its joint (from 0) [%]; of a wrong angle, which moves the torque of all, of
-    the joint that shows it best."""
+def _gain(step: Step, share: Array) -> float:
+    """On unseen rows of the joint that shows it best, of those that it acts on [%]; share: of its
+    torque on each joint, shape (n,)."""
     assert step.validation_gain is not None
-    gains = step.validation_gain
-    return float(gains.max() if any(effect.angle_error) else gains[joint])
+    return float(step.validation_gain[share >= ACTS * share.max()].max())
 
 
 def _share(torque: Array, measured: Array) -> Array:

@@ -10,8 +10,10 @@ import pytest
 import irb2400_ctrl as irb
 from irb2400_ctrl.diagnosis.comparison.acceptance import (
     Acceptance,
+    can_be_put_on,
     can_be_taken_off,
     relaxes_within_reach,
+    small_enough,
 )
 from irb2400_ctrl.diagnosis.comparison.criteria import Criteria
 from irb2400_ctrl.diagnosis.possible_bodies import turns_impossible
@@ -62,6 +64,8 @@ def test_a_link_is_no_lighter_than_nothing(taken: float, there: bool) -> None:
         ("cable_spring", 2, {"stiffness_Nm_rad": 5.0, "neutral_rad": 6.0}),
         ("process_force", None, {"force_x_N": 1.0, "moment_y_Nm": 2.0}),
         ("time_delay", 3, {"delay_s": -0.03}),
+        ("link_inertia", 5, {"mass_kg": 50.0}),
+        ("encoder_zero", 6, {"zero_rad": -1614.0}),
     ],
 )
 def test_what_this_arm_cannot_have_is_not_borne_out(
@@ -73,6 +77,32 @@ def test_what_this_arm_cannot_have_is_not_borne_out(
     step: Any = SimpleNamespace(candidate=SimpleNamespace(effects=(effect,)))
     fit: Any = SimpleNamespace(effects=(effect,))
     assert not acceptance.bears_out([step], fit, 0)
+
+
+@pytest.mark.parametrize(("times", "there"), [(1.9, True), (2.1, False), (-0.5, True)])
+def test_a_link_is_not_three_times_as_heavy_as_stated(times: float, there: bool) -> None:
+    """A wrist of 8 kg was 82 kg too heavy (0.95): the load at the tool."""
+    robot = irb.load_robot("irb2400")
+    mass = times * robot.links[4].body.mass_kg
+    assert can_be_put_on(robot, LIBRARY["link_inertia"].of(5, mass_kg=mass)) == there
+    assert can_be_put_on(robot, LIBRARY["payload"].of(None, mass_kg=mass))
+
+
+def test_a_link_of_unstated_mass_may_have_any() -> None:
+    robot = irb.load_robot("irb2400")
+    last = robot.links[4]
+    nothing = last.model_copy(update={"body": last.body.model_copy(update={"mass_kg": 0.0})})
+    links: Any = (*robot.links[:4], nothing, *robot.links[5:])
+    unstated = robot.model_copy(update={"links": links})
+    assert can_be_put_on(unstated, LIBRARY["link_inertia"].of(5, mass_kg=50.0))
+
+
+@pytest.mark.parametrize(("angle", "there"), [(0.45, True), (-0.45, True), (0.55, False)])
+def test_an_angle_error_is_as_small_as_its_law_has_it(angle: float, there: bool) -> None:
+    """An encoder was "1614 rad off" (0.90) on an axis whose torque hardly knows its angle."""
+    assert small_enough(LIBRARY["encoder_zero"].of(6, zero_rad=angle)) == there
+    both = {"tilt_x_rad": 0.6 * angle, "tilt_y_rad": 0.8 * angle}
+    assert small_enough(LIBRARY["base_tilt"].of(None, **both)) == there
 
 
 @pytest.mark.parametrize(

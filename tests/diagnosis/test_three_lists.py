@@ -201,14 +201,17 @@ def test_an_error_that_says_nothing_is_no_number() -> None:
     assert "not shown" not in str([row[2] for row in parameter_rows(told)])
 
 
-@pytest.mark.parametrize(("joint", "gain"), [(2, 7.0), (4, -1.0)])
-def test_of_a_wrong_angle_the_joint_that_shows_it_is_told(joint: int, gain: float) -> None:
-    """The zero of axis 3 moves the torque of axis 2; of a ripple its own joint is asked."""
-    step: Any = SimpleNamespace(validation_gain=np.array([0.0, 7.0, -2.0, -1.0, 0.0, 0.0]))
-    zero = LIBRARY["encoder_zero"].of(joint, zero_rad=0.01)
-    ripple = LIBRARY["gear_ripple"].of(joint, **LIBRARY["gear_ripple"].example)
-    assert _gain(step, zero, joint - 1) == 7.0
-    assert _gain(step, ripple, joint - 1) == gain
+@pytest.mark.parametrize(
+    ("share", "gain"),
+    [([0.0, 0.01, 0.3, 0.0], 7.0), ([0.0, 0.0, 0.0, 0.2], -1.0), ([1e-5, 0.0, 0.2, 0.0], -2.0)],
+)
+def test_of_what_acts_on_several_joints_that_which_shows_it_is_told(
+    share: list[float], gain: float
+) -> None:
+    """The zero of axis 3 moves the torque of axis 2; of a ripple its own joint is asked. Of a load
+    that is all of axis 6 what the other axes say: 91, not -1 %."""
+    step: Any = SimpleNamespace(validation_gain=np.array([9.0, 7.0, -2.0, -1.0]))
+    assert _gain(step, np.array(share)) == gain
 
 
 @pytest.mark.parametrize(

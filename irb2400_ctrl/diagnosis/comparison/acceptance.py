@@ -18,8 +18,10 @@ from irb2400_ctrl.diagnosis.estimation.fit import Fit, Fitter
 from irb2400_ctrl.diagnosis.estimation.held_out import HeldOut, Worth
 from irb2400_ctrl.diagnosis.regressors.bases import RegressorColumns
 from irb2400_ctrl.effects import Effect
-from irb2400_ctrl.effects.added_body import REACH, AddedBody
+from irb2400_ctrl.effects.added_body import REACH, AddedBody, LinkInertia
+from irb2400_ctrl.effects.base_tilt import BaseTilt
 from irb2400_ctrl.effects.cable_spring import CableSpring
+from irb2400_ctrl.effects.encoder_zero import EncoderZero
 from irb2400_ctrl.effects.process_force import ProcessForce
 from irb2400_ctrl.effects.time_delay import TimeDelay
 from irb2400_ctrl.robot import Robot
@@ -33,6 +35,11 @@ QUICKEST = 0.5
 """of the shortest time constant of a grid that a search may lead to"""
 BEYOND = math.pi / 2
 """[rad] that a spring may have its neutral angle beyond its joint's range"""
+HEAVIER = 2.0
+"""times its stated mass that a link may be heavier"""
+SMALL_ANGLE = 0.5
+"""[rad] up to which a law to first order in an angle is one: one that is further off is seen before
+any effect is tried (`log check`)"""
 AHEAD = 0.0015
 """[s] that the torque of one joint may be told before it was there, by the truth of time stamps"""
 INFLATION = 1.5
@@ -133,6 +140,15 @@ def can_be_taken_off(robot: Robot, effect: Effect) -> bool:
     return sum(masses) + sum(e.mass_kg for e in added) + effect.mass_kg > 0.0
 
 
+def can_be_put_on(robot: Robot, effect: Effect) -> bool:
+    """Whether a link may be so much heavier than its file says: three times as heavy it is another
+    link, and what the torque shows is something else, as most of a load at the tool."""
+    if not isinstance(effect, LinkInertia) or effect.joint is None:
+        return True
+    stated = robot.links[effect.index].body.mass_kg
+    return stated == 0.0 or effect.mass_kg < HEAVIER * stated
+
+
 def in_time(robot: Robot, effect: Effect) -> bool:
     """Whether the torque of one joint is not told before it was there, with the delay that the file
     states: its angle would be late."""
@@ -142,10 +158,22 @@ def in_time(robot: Robot, effect: Effect) -> bool:
     return effect.delay_s + sum(e.delay_s for e in stated if not e.of_angle) > -AHEAD
 
 
+def small_enough(effect: Effect) -> bool:
+    """Whether an angle error or a tilt is as small as its law has it: one of a thousand turns is
+    what a torque asks for that hardly depends on that angle."""
+    if isinstance(effect, EncoderZero):
+        return abs(effect.zero_rad) < SMALL_ANGLE
+    if isinstance(effect, BaseTilt):
+        return math.hypot(effect.tilt_x_rad, effect.tilt_y_rad) < SMALL_ANGLE
+    return True
+
+
 def possible(robot: Robot, effect: Effect) -> bool:
     """Whether an arm may have an effect of these numbers, by what its file says."""
     return (
-        can_be_taken_off(robot, effect)
+        small_enough(effect)
+        and can_be_taken_off(robot, effect)
+        and can_be_put_on(robot, effect)
         and within_reach(robot, effect)
         and relaxes_within_reach(robot, effect)
         and in_time(robot, effect)
