@@ -94,7 +94,7 @@ ToleranceOption = Annotated[
 ]
 AxisToleranceOption = Annotated[
     float,
-    typer.Option(help="How far the tool may tilt to pass the wrist singularity.", min=0.0),
+    typer.Option(help="How far the tool may turn to pass the wrist singularity.", min=0.0),
 ]
 TorqueRateOption = Annotated[
     float | None,

@@ -212,11 +212,13 @@ def held(s: dict[str, Any]) -> str:
 
 
 def print_deviation(s: dict[str, Any], tolerance: float) -> None:
-    """How far the rows leave the path, where that is clearly more than was asked for [m]."""
-    from irb2400_ctrl.report.pages.plan_page import deviation_words
+    """How far the rows leave the path, where that is clearly more than was asked for [m], and how
+    far the tool its stated orientation."""
+    from irb2400_ctrl.report.pages.plan_page import deviation_words, turned_words
 
-    if said := deviation_words(s, tolerance):
-        print(said)
+    for said in (deviation_words(s, tolerance), turned_words(s)):
+        if said:
+            print(said)
 
 
 def print_clearance(found: dict[str, Any]) -> None:

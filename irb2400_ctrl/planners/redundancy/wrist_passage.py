@@ -56,11 +56,14 @@ class Passing:
     through: tuple[bool, ...]
 
     @property
+    def turned(self) -> tuple[Passage, ...]:
+        """Those at which the tool is turned to hit the singularity."""
+        return tuple(p for p, t in zip(self.passages, self.through, strict=True) if t)
+
+    @property
     def turn(self) -> float:
         """Largest angle by which the stated orientation is left [rad]."""
-        return max(
-            (p.miss for p, t in zip(self.passages, self.through, strict=True) if t), default=0.0
-        )
+        return max((p.miss for p in self.turned), default=0.0)
 
 
 def passings(model: Model, orientation: Orientation, posture: int) -> Iterator[Passing]:

@@ -12,6 +12,7 @@ from irb2400_ctrl.errors import InfeasibleError
 from irb2400_ctrl.planners.enclosure.cells import enclose, grid
 from irb2400_ctrl.planners.enclosure.path_dynamics import PathDynamics
 from irb2400_ctrl.planners.redundancy.choice import LONG, Choice
+from irb2400_ctrl.planners.redundancy.wrist_passage import EXACT
 from irb2400_ctrl.planners.timing.infeasible_point import InfeasiblePointError
 from irb2400_ctrl.planners.timing.piecewise_constant_law import PiecewiseConstantLaw
 from irb2400_ctrl.planners.timing.rate_limited.rate_summary import rate_summary
@@ -88,9 +89,29 @@ def time_choices(
 
 
 def best_first(timed: Sequence[TimedChoice], axis_tolerance: float) -> list[TimedChoice]:
-    """Those that stay near enough to the stated orientation (all, where none does), best first."""
-    allowed = [option for option in timed if option.choice.turn <= axis_tolerance]
-    return sorted(allowed or timed, key=lambda option: option.rank)
+    """Those that stay near enough to the stated orientation, best first.
+
+    Raises:
+        InfeasibleError: none does; says where the wrist is in the way, and by how much.
+    """
+    allowed = [one for one in timed if one.choice.turn <= max(axis_tolerance, EXACT)]
+    if not allowed:
+        raise InfeasibleError(_too_far(min(timed, key=lambda one: one.choice.turn), axis_tolerance))
+    return sorted(allowed, key=lambda one: one.rank)
+
+
+def _too_far(nearest: TimedChoice, axis_tolerance: float) -> str:
+    passing = nearest.choice.passing
+    assert passing is not None
+    worst = max(passing.turned, key=lambda passage: passage.miss)
+    needed = np.degrees(worst.miss)
+    return (
+        f"the path passes the wrist singularity at {1e3 * worst.s:.0f} mm by {needed:.3g} deg, and "
+        "within the joint ranges and the torque there is no way past it: found that the tool has "
+        f"to turn by {needed:.3g} deg to pass through, expected at most "
+        f"{np.degrees(axis_tolerance):.3g} deg (--axis-tolerance-deg, axis_tolerance); allow more, "
+        "free the rotation about the tool axis, or place the path elsewhere"
+    )
 
 
 _SHORT = 300

@@ -17,6 +17,8 @@ from irb2400_ctrl.typed import typed
 
 # a bound is a little above what is reached, and rows cut corners anew
 _CLEARLY = 1.1
+LEAST_TURN_DEG = 1e-3
+"""turns of the tool below this are the rounding of CAM files"""
 
 
 @typed
@@ -42,6 +44,8 @@ def plan_page(
     summary = found.summary()
     page.answer(sentence(summary), "good" if summary["guaranteed"] else "note", facts(summary))
     if tolerance is not None and (said := deviation_words(summary, tolerance)):
+        page.finding(f"{said[0].upper()}{said[1:]}.")
+    if said := turned_words(summary):
         page.finding(f"{said[0].upper()}{said[1:]}.")
     add_plan(page, found, robot, cell, tool)
     return page
@@ -128,6 +132,19 @@ def deviation_words(summary: Mapping[str, Any], tolerance: float) -> str | None:
         f"the TCP leaves the path by up to {most:.3f} mm, {1e3 * tolerance:g} mm were asked for"
         f"{why}; a smaller --tolerance-mm makes corners of more bends, more rows (--rate) or a "
         "lower feed bring the rest nearer"
+    )
+
+
+def turned_words(summary: Mapping[str, Any]) -> str | None:
+    """Where the tool is turned from its stated orientation by more than a CAM file is written to,
+    and how far."""
+    turned = [p for p in summary.get("wrist_passages", ()) if p["taken"] == "through"]
+    most = max(turned, key=lambda p: p["miss_deg"], default=None)
+    if most is None or most["miss_deg"] < LEAST_TURN_DEG:
+        return None
+    return (
+        f"the tool is turned by {most['miss_deg']:.2g} deg from its stated orientation at "
+        f"{most['at_mm']:.0f} mm of the way, to pass the wrist singularity (--axis-tolerance-deg)"
     )
 
 
