@@ -54,9 +54,9 @@ class TorqueGain(Effect):
 
     @property
     def unlikely(self) -> bool:
-        # no torque constant is known to a per cent; and no drive is off by half: something else is
-        # missing then
-        return not 0.01 < abs(self.gain - 1.0) < 0.5
+        # no torque constant is known to three per cent; and no drive is off by half: something
+        # else is missing then
+        return not 0.03 < abs(self.gain - 1.0) < 0.5
 
     def coefficients(self) -> tuple[float, ...]:
         return (self.gain - 1.0,)

@@ -125,3 +125,11 @@ def test_a_spring_is_held_against_the_one_that_the_file_states() -> None:
     assert relaxes_within_reach(stated, change)
     elsewhere = robot.with_effects(spring.of(2, stiffness_Nm_rad=30.0, neutral_rad=0.3))
     assert not relaxes_within_reach(elsewhere, change)
+
+
+@pytest.mark.parametrize(
+    ("gain", "told"), [(0.975, False), (1.025, False), (0.96, True), (1.04, True), (1.6, False)]
+)
+def test_a_gain_within_what_torque_constants_are_known_to_is_none(gain: float, told: bool) -> None:
+    """A gain of 0.975 of joint 4 was told (0.94) of an arm that reads joint 5 a fifth too low."""
+    assert LIBRARY["torque_gain"].of(4, gain=gain).unlikely is not told
