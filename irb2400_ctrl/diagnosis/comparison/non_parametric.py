@@ -67,11 +67,12 @@ def non_parametric_laws(
     }
     for k in moving:
         sign = np.sign(motion.qd[:, k])[:, None]
-        common[f"angle of {k + 1}", (f"q{k + 1}",)] = motion.filtered(splines(motion.q[:, k], 10))
-        common[f"speed of {k + 1}", (f"qd{k + 1}",)] = motion.filtered(
+        of = f"of joint {k + 1}"
+        common[f"angle {of}", (f"q{k + 1}",)] = motion.filtered(splines(motion.q[:, k], 10))
+        common[f"speed {of}", (f"qd{k + 1}",)] = motion.filtered(
             np.hstack([splines(motion.qd[:, k], 10), sign])
         )
-        common[f"acceleration of {k + 1}", (f"qdd{k + 1}",)] = motion.filtered(
+        common[f"acceleration {of}", (f"qdd{k + 1}",)] = motion.filtered(
             splines(motion.qdd[:, k], 8)
         )
     for k, m in combinations(moving, 2):
@@ -82,9 +83,10 @@ def non_parametric_laws(
                 splines(motion.q[:, m], 6),
             ]
         )
-        common[f"angles {k + 1} and {m + 1}", (f"q{k + 1}", f"q{m + 1}")] = motion.filtered(surface)
+        of = f"of joints {k + 1} and {m + 1}"
+        common[f"angles {of}", (f"q{k + 1}", f"q{m + 1}")] = motion.filtered(surface)
         # of the speeds the products alone: what one of them does has a law of its own
-        common[f"speeds {k + 1} and {m + 1}", (f"qd{k + 1}", f"qd{m + 1}")] = motion.filtered(
+        common[f"speeds {of}", (f"qd{k + 1}", f"qd{m + 1}")] = motion.filtered(
             _products(motion.qd[:, k], motion.qd[:, m], degree=2)
         )
     return {

@@ -220,8 +220,7 @@ def _add_remarks(page: Page, diagnosis: Diagnosis) -> None:
     for rest in diagnosis.unexplained:
         page.finding(
             f"Joint {rest.joint}: {rest.rmse:.2f} Nm rms are unexplained; they depend on "
-            f"{', '.join(rest.depends_on)}. "
-            f"{rest.description}"
+            f"{', '.join(rest.depends_on)} ({rest.description})."
         )
     for joint in diagnosis.not_excited:
         page.text(f"Joint {joint} moves too slowly in this log for much to be said about it.")
