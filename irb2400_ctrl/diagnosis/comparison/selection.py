@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from irb2400_ctrl.arrays import Mask
+from irb2400_ctrl.arrays import Array, Mask
 from irb2400_ctrl.diagnosis.comparison.acceptance import Acceptance
 from irb2400_ctrl.diagnosis.comparison.at_load_changes import AtLoadChanges
 from irb2400_ctrl.diagnosis.comparison.at_reversals import AtReversals
@@ -137,22 +137,23 @@ class Selection:
         do not keep a name from its turn."""
         return sum(bool(name) for _, _, name in self.refused)
 
-    def _rather_wider(self, step: Step | None, beside: Comparison) -> float | None:
-        """How many times further off than stated numbers of the robot explain more than two such
-        steps as the best one; None where they do not."""
+    def _rather_wider(self, step: Step | None, beside: Comparison) -> Array | None:
+        """How many times further off than stated each number of the robot explains more than two
+        such steps as the best one, shape (own,); None where they do not."""
         fitter = self.fitter
 
-        def evidence(wider: float) -> float:
+        def evidence(wider: Array) -> float:
             Z = beside.Z.copy()
             Z[:, :, : fitter.own] *= wider
             return Comparison(self.scan, fitter.noise, beside.y, Z).base.log_evidence
 
-        found = {wider: evidence(wider) for wider in self.criteria.wider}
-        wider = max(found, key=lambda w: found[w])
+        ways = fitter.wider(self.criteria.wider)
+        found = [evidence(wider) for wider in ways]
+        best = int(np.argmax(found))
         # numbers further off take in several effects at once, of which the best alone says less
         c = self.criteria
         least = c.gain if step is None else (1.0 + c.two_at_once) * step.gain + c.gain_stated
-        return wider if found[wider] - beside.base.log_evidence > least else None
+        return ways[best] if found[best] - beside.base.log_evidence > least else None
 
     def _borne_out(self, steps: list[Step], fit: Fit) -> tuple[list[Step], Fit]:
         """What the common fit of all still bears out."""

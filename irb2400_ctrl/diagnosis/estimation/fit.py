@@ -100,9 +100,12 @@ class Fitter:
         self.Z = Z
         self.noise = NoiseModel.of(motion, reversal, robot.usually_left, holds)
         self.own = Z.shape[2] if own is None else own
+        # an identification knows friction together with everything else
+        alone = own is not None and robot.identified is None
+        self.friction = 3 * robot.n if alone else 0  # of these, the last, those of friction alone
         self.plain = plain
         self.stated = of_changing_strength(robot.effects)
-        self.widened = 1.0  # times further off than stated that the robot's numbers may be
+        self.widened = np.ones(self.own)  # times further off than stated that each may be
         self._cache: dict[tuple[object, ...], Array] = {}
         self._fits: list[tuple[tuple[Candidate, ...], Fit]] = []
 
@@ -118,18 +121,27 @@ class Fitter:
             self._fits.pop(0)
         return fit
 
-    def widen(self, factor: float) -> None:
-        """Let the robot's numbers be this many times further off than so far."""
+    def wider(self, factors: Sequence[float]) -> list[Array]:
+        """Ways in which the robot's numbers may be so many times further off: all, or those of
+        friction alone, which wear and temperature change; of each number, shape (own,)."""
+        all_of_them = [np.full(self.own, factor) for factor in factors]
+        if not self.friction:
+            return all_of_them
+        bodies = np.arange(self.own) < self.own - self.friction
+        return [*all_of_them, *[np.where(bodies, 1.0, factor) for factor in factors]]
+
+    def widen(self, factor: Array) -> None:
+        """Let the robot's numbers be so many times further off than so far, shape (own,)."""
         self.Z = self.Z.copy()
         self.Z[:, :, : self.own] *= factor
-        self.widened *= factor
+        self.widened = self.widened * factor
         self._fits.clear()
 
     def as_stated(self, fit: Fit) -> Fit:
         """A fit with its deviations in stated standard deviations again."""
         wide = self.widened
         Z = np.concatenate([fit.Z[:, :, : self.own] / wide, fit.Z[:, :, self.own :]], axis=2)
-        return replace(fit, Z=Z, z=fit.z * wide, z_covariance=fit.z_covariance * wide**2)
+        return replace(fit, Z=Z, z=fit.z * wide, z_covariance=fit.z_covariance * np.outer(wide, wide))
 
     def _fitted(self, chosen: Sequence[Candidate]) -> Fit:
         effects = [e for c in chosen for e in c.effects]
