@@ -31,14 +31,8 @@ from irb2400_ctrl.robot.importing.which_joints import (
     turning_only,
 )
 
-DRAWN = {
-    "mass_relative": 0.06,
-    "com_m": 0.015,
-    "inertia_relative": 0.15,
-    "friction_relative": 0.15,
-}
-"""one standard deviation of bodies that somebody drew: three times those of a data sheet; and of
-friction that makes a simulation look right, which of an arm is no nearer"""
+DRAWN = {"mass_relative": 0.06, "com_m": 0.015, "inertia_relative": 0.15}
+"""one standard deviation of bodies that somebody drew: three times those of a data sheet"""
 _OF_ONE = re.compile(r"(?P<what>joint|link) (?P<name>[^ :]+)(?P<says>: .*)")
 
 
@@ -158,9 +152,8 @@ def _on_bodies(tree: Tree, chain: _Collected) -> list[str]:
         return []
     return [
         f"bodies of a model are taken as known to {100 * DRAWN['mass_relative']:.0f} % of a mass, "
-        f"{1e3 * DRAWN['com_m']:.0f} mm and {100 * DRAWN['inertia_relative']:.0f} % of an inertia, "
-        f"friction to {100 * DRAWN['friction_relative']:.0f} %; where these are the maker's, state "
-        "less in [uncertainty]"
+        f"{1e3 * DRAWN['com_m']:.0f} mm and {100 * DRAWN['inertia_relative']:.0f} % of an inertia; "
+        "where these are the maker's, state less in [uncertainty]"
     ]
 
 
