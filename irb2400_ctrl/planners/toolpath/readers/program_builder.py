@@ -121,13 +121,14 @@ class ProgramBuilder:
         for it to stop."""
         if spindle == self.spindle:
             return
+        turned = self.spindle.speed > 0
         self.spindle = spindle
         if spindle.speed > 0:
             self._split(keep_place=True)
-        elif self._draft.position:
-            self.event("spindle", "off")
-        else:
+        elif not self._draft.position:
             self._draft.spindle = spindle
+        elif turned:
+            self.event("spindle", "off")
 
     def set_coolant(self, state: str) -> None:
         """Coolant on or off: the tool does not wait."""

@@ -10,7 +10,7 @@ import numpy as np
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InputError
-from irb2400_ctrl.planners.toolpath.cam_program import Tool
+from irb2400_ctrl.planners.toolpath.cam_program import Spindle, Tool
 from irb2400_ctrl.planners.toolpath.readers.apt import frames, units
 from irb2400_ctrl.planners.toolpath.readers.apt.statements import Statement, is_number, number
 from irb2400_ctrl.planners.toolpath.readers.program_builder import ProgramBuilder
@@ -25,6 +25,8 @@ class Machine:
         """CSYS/ turns the part, not the points"""
         self._system: Array | None = None
         """what the first CSYS/ states"""
+        self._turned = Spindle()
+        """the spindle as it turned last"""
         self._do: dict[str, Callable[[Statement, float], None]] = {
             "TOOL PATH": self._tool_path,
             "TLDATA": self._tool_data,
@@ -191,13 +193,13 @@ class Machine:
 
     def _spindle(self, statement: Statement, unit: float) -> None:
         builder = self._builder
-        found = units.spindle(
-            statement, builder.spindle, builder.tool.diameter, unit, builder.place
-        )
+        found = units.spindle(statement, self._turned, builder.tool.diameter, unit, builder.place)
         if found is None:
             builder.note("assumed", "SPINDL/ with a surface speed, but no diameter: speed unknown")
-        else:
-            builder.set_spindle(found)
+            return
+        if found.speed > 0:
+            self._turned = found
+        builder.set_spindle(found)
 
     def _coolant(self, statement: Statement, unit: float) -> None:
         self._builder.set_coolant(" ".join(statement.words).lower() or "on")

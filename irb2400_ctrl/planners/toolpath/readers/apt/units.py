@@ -119,6 +119,13 @@ def spindle(
     """`SPINDL/`: the speed, from a surface speed too; None where that needs a diameter.
 
     `SPINDL/ON` turns again as before; OFF, STOP and LOCK hold.
+
+    Args:
+        statement: SPINDL/ and what it states.
+        before: as it turned last.
+        diameter: of the tool [m].
+        unit: of length of the file [m].
+        place: file and line, for messages.
     """
     words = set(statement.words)
     if words & {"OFF", "STOP", "LOCK", "ORIENT"}:

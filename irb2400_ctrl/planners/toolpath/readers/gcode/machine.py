@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from dataclasses import replace
 
 from irb2400_ctrl.errors import InputError
-from irb2400_ctrl.planners.toolpath.cam_program import Spindle, Tool
+from irb2400_ctrl.planners.toolpath.cam_program import Tool
 from irb2400_ctrl.planners.toolpath.readers.feed import INCH, MM
 from irb2400_ctrl.planners.toolpath.readers.gcode.blocks import Block
 from irb2400_ctrl.planners.toolpath.readers.gcode.cycles import dwell_seconds
@@ -78,10 +78,9 @@ class GcodeMachine:
             if values["S"] < 0:
                 raise InputError(f"{builder.place}: S{values['S']}, expected at least zero")
             state.spindle_speed = values["S"]
-            if builder.spindle.speed > 0:
-                builder.set_spindle(state.spindle(builder.spindle.clockwise))
         for function in functions:
             self._function(function)
+        builder.set_spindle(state.spindle)
         for order in orders:
             self._order(order)
 
@@ -188,13 +187,14 @@ class GcodeMachine:
 
     def _function(self, function: int) -> None:
         builder = self._builder
-        if function in {3, 4}:
-            builder.set_spindle(self._state.spindle(function == 3))
-        elif function in {13, 14}:
-            builder.set_spindle(self._state.spindle(function == 13))
-            builder.set_coolant("flood")
+        if function in {3, 4, 13, 14}:
+            self._state.start_spindle(clockwise=function in {3, 13})
+            builder.set_spindle(self._state.spindle)
+            if function > 4:
+                builder.set_coolant("flood")
         elif function == 5:
-            builder.set_spindle(Spindle(0.0, builder.spindle.clockwise))
+            self._state.turning = False
+            builder.set_spindle(self._state.spindle)
         elif self._jet and function in {7, 8}:
             builder.set_coolant(COOLANT[7 if function == 7 else 9])
             builder.note(

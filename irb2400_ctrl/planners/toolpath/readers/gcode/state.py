@@ -44,6 +44,9 @@ class GcodeState:
     retract_to_start: bool = True
     spindle_speed: float = 0.0
     """S word [1/min]"""
+    turning: bool = False
+    """the spindle is started (M3, M4), be its speed zero"""
+    clockwise: bool = True
     next_tool: int | None = None
     work_offset: str = ""
     at: list[float | None] = field(default_factory=lambda: [None, None, None])
@@ -71,9 +74,16 @@ class GcodeState:
     before_cycle: int | None = None
     """G0 or G1, as it was in force before the cycle"""
 
-    def spindle(self, clockwise: bool) -> Spindle:
-        """The spindle turning as fast as S says."""
-        return Spindle(2 * math.pi * self.spindle_speed / 60, clockwise)
+    @property
+    def spindle(self) -> Spindle:
+        """As fast as S says, if it has been started."""
+        rpm = self.spindle_speed if self.turning else 0.0
+        return Spindle(2 * math.pi * rpm / 60, self.clockwise)
+
+    def start_spindle(self, *, clockwise: bool) -> None:
+        """M3, M4: it turns at the speed in force, and at each that S states later."""
+        self.turning = True
+        self.clockwise = clockwise
 
     @property
     def tilt(self) -> Array:

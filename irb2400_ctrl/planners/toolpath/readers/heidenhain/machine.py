@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 
 from irb2400_ctrl.errors import InputError
-from irb2400_ctrl.planners.toolpath.cam_program import Spindle, Tool
+from irb2400_ctrl.planners.toolpath.cam_program import Tool
 from irb2400_ctrl.planners.toolpath.readers.feed import INCH, Feed
 from irb2400_ctrl.planners.toolpath.readers.gcode.state import COOLANT, GcodeState
 from irb2400_ctrl.planners.toolpath.readers.program_builder import ProgramBuilder
@@ -69,8 +69,7 @@ class PlainMachine:
             builder.change_tool(Tool(int(float(found[1])) if numbered else None, name))
         if speed := _SPEED.search(found[3]):
             self._state.spindle_speed = float(speed[1])
-            if builder.spindle.speed > 0:
-                builder.set_spindle(self._state.spindle(builder.spindle.clockwise))
+            builder.set_spindle(self._state.spindle)
         if feed := _FEED.search(found[3]):
             self.tool_feed = float(feed[1])
             builder.feed = self._state.feed(self.tool_feed)
@@ -88,7 +87,8 @@ class PlainMachine:
         builder = self._builder
         for function in functions:
             if function in {3, 4, 13, 14}:
-                builder.set_spindle(self._state.spindle(function in {3, 13}))
+                self._state.start_spindle(clockwise=function in {3, 13})
+                builder.set_spindle(self._state.spindle)
                 if function > 4:
                     builder.set_coolant("flood")
             elif function in {7, 8}:
@@ -108,7 +108,8 @@ class PlainMachine:
         builder = self._builder
         for function in functions:
             if function == 5:
-                builder.set_spindle(Spindle(0.0, builder.spindle.clockwise))
+                self._state.turning = False
+                builder.set_spindle(self._state.spindle)
             elif function == 9:
                 builder.set_coolant("off")
             elif function in STOPS:
