@@ -214,6 +214,8 @@ def test_a_whole_program_as_rapid_reads_back(planned: dict[str, ProgramPlan]) ->
     assert said.count("Stop") == 1
     assert [text for text in said if "aoSpeed" in text] == [
         "SetAO aoSpeed,3000",
+        # the change of tool
+        "SetAO aoSpeed,0",
         "SetAO aoSpeed,6000",
         "SetAO aoSpeed,0",
     ]

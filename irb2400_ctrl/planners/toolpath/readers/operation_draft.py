@@ -48,8 +48,18 @@ class Draft:
             return False
         for rows in (self.position, self.axis, self.feed, self.rapid, self.line):
             del rows[:n]
+        for event in self.events:
+            if 0 <= event.point < n:
+                self._happened(event)
         self.events = [replace(event, point=max(event.point - n, -1)) for event in self.events]
         return True
+
+    def _happened(self, event: Event) -> None:
+        """It comes before the first point now."""
+        if event.kind == "coolant":
+            self.coolant = event.text
+        elif event.kind == "spindle":
+            self.spindle = replace(self.spindle, speed=0.0)
 
     @property
     def moves(self) -> bool:

@@ -9,12 +9,7 @@ import numpy as np
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InputError
-from irb2400_ctrl.planners.toolpath.cam_program import (
-    CamProgram,
-    Event,
-    Spindle,
-    Tool,
-)
+from irb2400_ctrl.planners.toolpath.cam_program import CamProgram, Event, Spindle, Tool
 from irb2400_ctrl.planners.toolpath.readers.expansion import arcs, drilling
 from irb2400_ctrl.planners.toolpath.readers.expansion.arcs import Arc
 from irb2400_ctrl.planners.toolpath.readers.expansion.drilling import HoleCycle
@@ -99,11 +94,16 @@ class ProgramBuilder:
         self._split(keep_place=False)
 
     def change_tool(self, tool: Tool) -> None:
-        """Another tool, or more said of this one before it has moved."""
+        """Another tool, or more said of this one before it has moved; behind a motion the spindle
+        and the coolant stop."""
         self.tool = tool
         self.tool_described = True
         self._split(keep_place=False)
         self._from_above = self.moved
+        if self.moved and (self.spindle.speed > 0 or self.coolant != "off"):
+            self.note("assumed", "a change of tool stops spindle and coolant until stated again")
+            self.set_spindle(Spindle(0.0, self.spindle.clockwise))
+            self.set_coolant("off")
         text = f"{'' if tool.number is None else tool.number} {tool.name}".strip()
         if all((event.kind, event.text) != ("tool", text) for event in self._draft.events):
             self._draft.events.append(Event("tool", -1, self.line, text))
@@ -125,18 +125,19 @@ class ProgramBuilder:
         self.spindle = spindle
         if spindle.speed > 0:
             self._split(keep_place=True)
-        elif not self._draft.position:
-            self._draft.spindle = spindle
         elif turned:
             self.event("spindle", "off")
+        if not self._draft.position:
+            self._draft.spindle = spindle
 
     def set_coolant(self, state: str) -> None:
         """Coolant on or off: the tool does not wait."""
+        ends = state == "off" != self.coolant
         self.coolant = state
-        if self._draft.position:
-            self.event("coolant", state)
-        else:
+        if not self._draft.position:
             self._draft.coolant = state
+        if self._draft.position or ends:
+            self.event("coolant", state)
 
     def set_frame(self, X_PM: Array) -> None:
         """The frame in which the next points are stated, in the part."""
@@ -168,9 +169,8 @@ class ProgramBuilder:
 
     def dwell(self, seconds: float) -> None:
         """The tool waits at the last point."""
-        self._draft.events.append(
-            Event("dwell", len(self._draft.position) - 1, self.line, f"{seconds:g} s", seconds)
-        )
+        point = len(self._draft.position) - 1
+        self._draft.events.append(Event("dwell", point, self.line, f"{seconds:g} s", seconds))
 
     def note(self, kind: str, text: str) -> None:
         """A statement that makes no motion; equal ones are counted."""

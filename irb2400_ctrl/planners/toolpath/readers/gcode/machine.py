@@ -183,6 +183,7 @@ class GcodeMachine:
     def _change(self) -> None:
         builder = self._builder
         known = builder.tool if builder.tool_described else Tool()
+        self._state.turning &= not builder.moved
         builder.change_tool(replace(known, number=self._state.next_tool))
 
     def _function(self, function: int) -> None:

@@ -66,7 +66,7 @@ class PlainMachine:
             self.named(apart=True)
             numbered = found[1][0] != '"'
             name = "" if numbered else found[1].strip('"')
-            builder.change_tool(Tool(int(float(found[1])) if numbered else None, name))
+            self._change(Tool(int(float(found[1])) if numbered else None, name))
         if speed := _SPEED.search(found[3]):
             self._state.spindle_speed = float(speed[1])
             builder.set_spindle(self._state.spindle)
@@ -75,6 +75,15 @@ class PlainMachine:
             builder.feed = self._state.feed(self.tool_feed)
         if any(float(number) for number in _LONGER.findall(found[3])):
             builder.note("assumed", "DL, DR of TOOL CALL: the tool's oversize is not applied")
+
+    def _change(self, tool: Tool) -> None:
+        """To another tool; a call of the one in the spindle lets it turn on."""
+        builder = self._builder
+        known = builder.tool
+        if builder.moved and (tool.number, tool.name) == (known.number, known.name):
+            return
+        self._state.turning &= not builder.moved
+        builder.change_tool(tool)
 
     def feed(self, number: float) -> Feed:
         """F in the unit in force; InputError where it is negative."""
