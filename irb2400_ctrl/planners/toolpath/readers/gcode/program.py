@@ -308,8 +308,11 @@ class _Reader:
         named = [i for i, letter in enumerate(AXES) if letter in values]
         through = state.absolute or any(values[AXES[i]] != 0 for i in named)
         if 53 not in codes and named and through:
+            # they hold for their block alone: the motion in force goes on behind it
+            in_force = state.motion
             state.motion = 0
             self._motion.run(values)
+            state.motion = in_force
         builder.note(
             "assumed", "G28, G30, G53: places of the machine tool; the robot does not go there"
         )
