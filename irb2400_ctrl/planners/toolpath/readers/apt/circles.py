@@ -20,6 +20,8 @@ from irb2400_ctrl.planners.toolpath.readers.program_builder import ProgramBuilde
 WORDS = frozenset({"TIMES", "ANGLE", "CENTER", "AXIS", "RADIUS", "CANON"})
 # Creo writes ten digits: a further point of an arc lies this close to its circle
 ON_CIRCLE = 2e-6
+# a full circle closes to the digits of the file: four of mm, five of inches
+CLOSES = 3e-7
 ANGLE_ERROR = math.radians(0.5)
 
 
@@ -57,7 +59,7 @@ class Circles:
         sign = -1.0 if self._dialect == NX else 1.0
         normal = sign * self._placement.direction(values[3:6])
         radius = self._placement.unit * values[6] if len(values) > 6 else None
-        self._arc = Arc(self._placement.point(values[:3]), normal, radius, times)
+        self._arc = Arc(self._placement.point(values[:3]), normal, radius, times, CLOSES)
         self._angle = angle
         self._line = statement.line
         if times > 1:

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import math
 import re
+from dataclasses import replace
 
 import numpy as np
 
@@ -58,7 +59,9 @@ def _circle(found: dict[str, list[list[float]]], unit: float, place: str) -> Arc
     normal = np.array(values[3:6]) if len(values) == 7 else np.array([0.0, 0.0, 1.0])
     if not np.linalg.norm(normal) > 1e-6 or values[-1] <= 0:
         raise InputError(f"{place}: the circle has no axis or no positive radius")
-    return Arc(unit * np.array(values[:3]), normal / np.linalg.norm(normal), unit * values[-1])
+    centre = unit * np.array(values[:3])
+    unit_normal = normal / np.linalg.norm(normal)
+    return Arc(centre, unit_normal, unit * values[-1], closes=arcs.SAME_PLACE)
 
 
 def _stated_end(
@@ -125,7 +128,7 @@ def _with_direction(arc: Arc, start: Array, direction: Array | None, place: str)
             f"{place}: the direction INDIRV/ points across the circle at the start of the arc; "
             "expected its tangent"
         )
-    return arc if share > 0 else Arc(arc.centre, -arc.normal, arc.radius)
+    return arc if share > 0 else replace(arc, normal=-arc.normal)
 
 
 def _without_direction(arc: Arc, start: Array, end: Array, second: bool, place: str) -> Arc:
@@ -133,4 +136,4 @@ def _without_direction(arc: Arc, start: Array, end: Array, second: bool, place: 
     turn = arcs.sweep(arc, start, end)
     if abs(turn - math.pi) < 1e-3:
         raise InputError(f"{place}: half a circle without INDIRV/; which way round is not known")
-    return arc if (turn > math.pi) == second else Arc(arc.centre, -arc.normal, arc.radius)
+    return arc if (turn > math.pi) == second else replace(arc, normal=-arc.normal)

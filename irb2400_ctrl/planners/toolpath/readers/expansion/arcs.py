@@ -10,8 +10,10 @@ import numpy as np
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InputError
 
-# CAM writes three or four digits; both ends lie that far from the circle
 SAME_PLACE = 1e-6
+# what sums, inches and turned coordinates leave of equal places; no file states so short an arc
+CALCULATED = 1e-10
+# CAM writes three or four digits; both ends lie that far from the circle
 EXPECTED_MISS = 1e-5
 LARGEST_MISS = 5e-5
 LARGEST_RELATIVE_MISS = 5e-3
@@ -30,6 +32,8 @@ class Arc:
     """as stated, to be checked [m]"""
     turns: int = 1
     """in which turn the end is reached: 1 within the first"""
+    closes: float = CALCULATED
+    """an end that lies no further along the circle from the start is the start [m]"""
 
 
 def miss(arc: Arc, start: Array, end: Array) -> float:
@@ -98,7 +102,7 @@ def largest_miss(arc: Arc, start: Array) -> float:
 
 
 def sweep(arc: Arc, start: Array, end: Array) -> float:
-    """Angle from start to end about the normal, a full turn where they agree [rad].
+    """Angle from start to end about the normal, a full turn where the end is the start [rad].
 
     Args:
         arc: its centre and normal.
@@ -108,10 +112,9 @@ def sweep(arc: Arc, start: Array, end: Array) -> float:
     a, _ = _split(arc, start)
     b, _ = _split(arc, end)
     n = arc.normal / np.linalg.norm(arc.normal)
-    if np.linalg.norm(a - b) <= SAME_PLACE:
-        angle = 2 * math.pi
-    else:
-        angle = math.atan2(float(n @ np.cross(a, b)), float(a @ b)) % (2 * math.pi)
+    angle = math.atan2(float(n @ np.cross(a, b)), float(a @ b))
+    closed = abs(angle) * float(np.linalg.norm(a)) <= arc.closes
+    angle = 2 * math.pi if closed else angle % (2 * math.pi)
     return angle + 2 * math.pi * (arc.turns - 1)
 
 
