@@ -230,3 +230,21 @@ def test_random_statements_never_raise_anything_else(
     except InputError:
         return
     assert all(np.isfinite(o.path.position).all() for o in program.operations)
+
+
+@pytest.mark.parametrize("separator", [",", ", ", ";", "\t"])
+def test_csv_with_quotes_about_every_cell(tmp_path: Path, separator: str) -> None:
+    rows = ["x_mm y_mm z_mm i j k feed_mm_s", "0 0 0 0 0 1 10", "12.5 0 0 0 0 1 10"]
+    quoted = [separator.join(f'"{cell}"' for cell in row.split()) for row in rows]
+    file = tmp_path / "part.csv"
+    file.write_text("\n".join(quoted) + "\n")
+    found = read_program(file).operation().path
+    assert np.allclose(1e3 * found.position, [[0, 0, 0], [12.5, 0, 0]])
+    assert np.allclose(1e3 * found.feed, 10)
+
+
+def test_a_csv_header_whose_quotes_do_not_fit_is_refused(tmp_path: Path) -> None:
+    file = tmp_path / "part.csv"
+    file.write_text('"x_mm,y_mm,z_mm,i,j,k\n0,0,0,0,0,1\n')
+    with pytest.raises(InputError, match="line 1: the quotes do not fit"):
+        read_program(file)

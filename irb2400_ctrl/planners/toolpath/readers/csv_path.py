@@ -54,7 +54,8 @@ def read_csv(text: str, name: str, unit: float = 1e-3) -> CamProgram:
             f"{name} is empty: expected a header x_mm,y_mm,z_mm,i,j,k and one row per point"
         )
     separator = max((",", ";", "\t"), key=lines[0][1].count)
-    header = [cell.strip() for cell in lines[0][1].split(separator)]
+    first = _cells(lines[0][1], f"{name}, line {lines[0][0]}", separator)
+    header = [cell.strip() for cell in first]
     full, others = _columns(header, name, lines[0][0])
     wanted = POINT + (QUATERNION if full else AXIS) + ([FEED] if FEED in header else [])
     table = _table(lines[1:], header, wanted, name, separator)
@@ -144,11 +145,11 @@ def _table(
 def _cells(text: str, place: str, separator: str) -> list[str]:
     """The cells of one line: a quoted one may hold commas, but no end of line."""
     try:
-        (cells,) = csv.reader([text], strict=True, delimiter=separator)
+        (cells,) = csv.reader([text], strict=True, delimiter=separator, skipinitialspace=True)
     except csv.Error as error:
         raise InputError(
-            f"{place}: the quotes do not fit or a cell is too long ({error}), expected numbers "
-            "with commas between them"
+            f"{place}: the quotes do not fit or a cell is too long ({error}), expected one "
+            "value for each column"
         ) from error
     return cells
 

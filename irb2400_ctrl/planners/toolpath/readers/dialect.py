@@ -23,7 +23,7 @@ GCODE_LINE = re.compile(
     re.IGNORECASE | re.MULTILINE,
 )
 PLAIN = re.compile(r"^\s*\d*\s*BEGIN PGM\b", re.IGNORECASE | re.MULTILINE)
-CSV_COLUMNS = re.compile(r"(^|,)\s*[xyz]_?\w*\s*(,|$)", re.IGNORECASE)
+CSV_COLUMNS = re.compile(r'(^|,)\s*"?[xyz]_?\w*"?\s*(,|$)', re.IGNORECASE)
 ROBOTS = "a program of a robot: give the CAM file it was made from"
 DRAWING = "a drawing or a shape without tool paths: let a CAM system make them"
 OTHERS = {
