@@ -39,8 +39,7 @@ OPTIONAL = re.compile(r"/\s*(?:[1-9](?=\s*(?:[A-Z]|$)))?\s*")
 EXTENDED = (TO_ANGLE, "CR", "TURN", "RPL", "A3", "B3", "C3", "IAC", "JAC", "KAC", *BY_ITSELF)
 # $: which spindle, or torch (LinuxCNC)
 LETTERS = frozenset([*"ABCDFGHIJKLMNPQRSTXYZ$", *EXTENDED])
-PLACES = frozenset("XYZABCIJKRQ")
-STATED_ONCE = PLACES | {"T"}
+STATED_ONCE = frozenset("XYZABCIJKRQFST")
 EXTENDED_WORD = re.compile(rf"\s*({'|'.join(EXTENDED)})\s*=\s*{NUMBER}")
 SUBPROGRAM = re.compile(r"^\s*O\s*<|^\s*O\d+\s+(SUB|CALL|IF|WHILE|REPEAT|DO|ENDSUB)")
 UNREADABLE = (
@@ -139,7 +138,7 @@ class Block:
             )
             raise InputError(f"{place}: found the word {unknown[0]}, which is not read{why}")
         for letter, value in self.words:
-            once = PLACES if self.ready is not None else STATED_ONCE
+            once = STATED_ONCE - {"T"} if self.ready is not None else STATED_ONCE
             if letter in once and value != values[letter]:
                 raise InputError(
                     f"{place}: found {letter}{value:g} and {letter}{values[letter]:g} in one "

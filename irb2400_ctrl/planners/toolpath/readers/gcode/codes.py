@@ -7,6 +7,7 @@ from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.planners.toolpath.readers.gcode.cycles import CYCLES
 from irb2400_ctrl.planners.toolpath.readers.gcode.frames import CODES as FRAMES
 from irb2400_ctrl.planners.toolpath.readers.gcode.splines import MODES as SPLINES
+from irb2400_ctrl.planners.toolpath.readers.gcode.state import GcodeState
 from irb2400_ctrl.planners.toolpath.readers.program_builder import ProgramBuilder
 
 MOTION = {0, 1, 2, 3, 80, *SPLINES, *CYCLES}
@@ -71,6 +72,51 @@ OWNED: dict[float, tuple[str, str]] = {
     187: _NUMBER,
     332: ("R", ""),
 }
+
+# what a letter may say, and beside which motions it says nothing
+_BESIDE: dict[str, tuple[str, frozenset[float]]] = {
+    "L": (
+        "how often M98 or a cycle is repeated, on some controls the turns of a helix (let the CAM "
+        "system write each turn)",
+        frozenset([0, 1, 2, 3]),
+    ),
+    "P": ("the time of G4, the program of M98 or the turns of G2 and G3", frozenset([0, 1])),
+    "Q": ("a step of G73 and G83", frozenset([2, 3])),
+    "D": ("the register of G41 and G42", frozenset([1, 2, 3])),
+}
+# beside other codes and functions of M the words may be theirs
+_WITHOUT_WORDS = frozenset(
+    [0, 1, 2, 3, *range(15, 22), 49, 61, 69, 80, 90, 90.1, 91, 91.1, *range(93, 96), 98, 99]
+)
+_M_WITHOUT_WORDS = frozenset([0, 1, 2, *range(3, 10), 13, 14, 30, 48, 49, 60])
+
+
+def refuse_idle_words(
+    state: GcodeState,
+    codes: tuple[list[float], list[int]],
+    values: dict[str, float],
+    place: str,
+) -> None:
+    """Words beside a motion that belong to nothing in their block.
+
+    Args:
+        state: with the motion in force.
+        codes: the numbers behind G and behind M in the block.
+        values: its words by their letter.
+        place: for messages.
+
+    Raises:
+        InputError: there is one.
+    """
+    if not (_WITHOUT_WORDS.issuperset(codes[0]) and _M_WITHOUT_WORDS.issuperset(codes[1])):
+        return
+    for letter, (says, motions) in _BESIDE.items():
+        # D is the edge of the tool on a control of Siemens
+        if letter in values and state.motion in motions and not (state.siemens and letter == "D"):
+            raise InputError(
+                f"{place}: found {letter}{values[letter]:g} beside G{state.motion:g}, where it "
+                f"says nothing that is read; {letter} is {says}: expected it there, or not at all"
+            )
 
 
 def without_owned(

@@ -14,6 +14,7 @@ from irb2400_ctrl.planners.toolpath.readers.gcode.codes import (
     MOTION,
     REFUSED,
     SPECIAL,
+    refuse_idle_words,
     without_owned,
 )
 from irb2400_ctrl.planners.toolpath.readers.gcode.control import is_siemens
@@ -173,12 +174,9 @@ class _Reader:
         if 4 in codes:
             values = self._machine.dwell(values)
         functions = [int(code) for code in block.codes("M")]
-        if (
-            self._state.siemens
-            and "L" in values
-            and not CYCLES.keys() & {*codes, self._state.motion}
-        ):
-            functions += self._machine.library(values["L"])
+        in_cycle = CYCLES.keys() & {*codes, self._state.motion}
+        if self._state.siemens and "L" in values and not in_cycle:
+            functions += self._machine.library(values.pop("L"))
         if block.plane is not None:
             swivel(block.plane, self._state, builder)
         self._modes(codes, values)
@@ -192,6 +190,7 @@ class _Reader:
         if leads and self._state.motion == 80:
             self._after_cycle()
         if leads:
+            refuse_idle_words(self._state, (codes, functions), values, builder.place)
             self._move(values)
             self._motion.cycles.at_place()
         if block.call is not None:
