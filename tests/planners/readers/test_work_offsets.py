@@ -98,3 +98,15 @@ def test_l6_changes_the_tool(tmp_path: Path) -> None:
     read = read_program(file)
     assert read.operation().tool.number == 7
     assert "L6 changes the tool" in str(read.of_kind("assumed")[0])
+
+
+@pytest.mark.parametrize("shift", ["G58 X100 Y20", "G59 Z-3"])
+def test_a_programmed_shift_of_siemens_is_no_place(tmp_path: Path, shift: str) -> None:
+    text = CUT.format(first="G54", second=shift)
+    file = tmp_path / "part.mpf"
+    file.write_text(text)
+    with pytest.raises(InputError, match=rf"line 6: {shift[:3]} with {shift[4]} .* as TRANS"):
+        read_program(file)
+    # a frame of the table, as on other controls
+    file.write_text(CUT.format(first="G58", second="G58 G0 X4"))
+    assert len(read_program(file).operation().path) == 6

@@ -54,8 +54,17 @@ class WorkOffsets:
             values: its words by their letter.
 
         Raises:
-            InputError: a frame for this block alone.
+            InputError: a frame for this block alone, or a shift by the words of the block.
         """
+        shifts = {58, 59} & set(codes) if self._state.siemens else set()
+        axes = [letter for letter in "XYZ" if letter in values]
+        # beside a motion it is a frame of the control's table (802D)
+        if shifts and axes and not {0, 1, 2, 3} & set(codes):
+            raise InputError(
+                f"{self._builder.place}: G{min(shifts):g} with {axes[0]} is a shift of the zero on "
+                "controls of Siemens, not a place to go to; not read, expected it as TRANS (from "
+                "the zero of G54) or ATRANS (on top of the shift in force)"
+            )
         if 16 in codes and "H" in values:
             raise InputError(
                 f"{self._builder.place}: G16 H{values['H']:g} takes another work frame for one "
