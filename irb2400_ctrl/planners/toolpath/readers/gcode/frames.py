@@ -77,6 +77,12 @@ class GcodeFrames:
         place = self._builder.place
         if "R" not in values or state.plane != 17 or set("ZIJK") & set(values):
             raise InputError(f"{place}: G68 is read as G17 G68 X Y R only")
+        if not state.absolute and not np.array_equal(state.turned, np.eye(4)):
+            raise InputError(
+                f"{place}: G68 R{values['R']:g} in G91 while coordinates are turned: some controls "
+                "turn on by R (Haas, Fanuc by a parameter), others to R; expected G90, or G69 "
+                "before it"
+            )
         state.reframe(turned=np.eye(4))
         centre = np.zeros(3)
         for index, letter in enumerate("XY"):
