@@ -92,7 +92,7 @@ def test_what_a_sub_program_lacks_is_refused_with_its_line(tmp_path: Path) -> No
         ("#1=3. \n#2=[#1+2.]*2\n#1=[#2-1.]\nG1 X[#1] Y-[#2/4.]", (9, -2.5, 1)),
         ("#3=2\n#4=#3\n#2=7.\nG1 X#[#3]", (7, 0, 1)),
         ("G1 X[10*SIN[30]+2**3] Y[ATAN[1]/[1]] Z[-SQRT[16.]]", (13, 45, -4)),
-        ("#<len>=4.5\nG1 X[ROUND[#<len>]] Y[-FIX[4.7]] Z[FUP[1.2]]", (5, -4, 2)),
+        ("#<len>=4.5\n#1=ROUND[#<len>]\nG1 X[ROUND[#1]] Y[-FIX[4.7]] Z[FUP[1.2]]", (5, -4, 2)),
         ("R1=5 R2=R1*(2+1)\nG1 X=R1+R2 Y=-R2/2 Z=(R1-1)*2", (20, -7.5, 8)),
         ("R10=90\nG1 X=10*COS(R10/2)*SIN(45) Y=SQRT(POT(3)+16)", (5, 5, 1)),
         ("R3=7\nG1 X=R3", (7, 0, 1)),

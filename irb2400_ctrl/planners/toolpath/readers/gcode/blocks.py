@@ -15,6 +15,11 @@ from dataclasses import dataclass
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.planners.toolpath.readers.gcode.flow import ERROR, Line
 from irb2400_ctrl.planners.toolpath.readers.gcode.hole_calls import HoleCall, taken_out
+from irb2400_ctrl.planners.toolpath.readers.gcode.macros.variables import (
+    ENTER,
+    LEAVE,
+    Variables,
+)
 from irb2400_ctrl.planners.toolpath.readers.gcode.siemens_words import (
     NAMED,
     NUMBER,
@@ -23,11 +28,6 @@ from irb2400_ctrl.planners.toolpath.readers.gcode.siemens_words import (
     with_square_brackets,
 )
 from irb2400_ctrl.planners.toolpath.readers.gcode.swivel import CALL as SWIVEL
-from irb2400_ctrl.planners.toolpath.readers.gcode.variables import (
-    ENTER,
-    LEAVE,
-    Variables,
-)
 from irb2400_ctrl.planners.toolpath.readers.unread_line import UnreadLineError
 
 WORD = re.compile(rf"\s*([A-Z$])\s*=?\s*{NUMBER}")

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from irb2400_ctrl.errors import InputError
-from irb2400_ctrl.planners.toolpath.readers.gcode.variables import Variables
+from irb2400_ctrl.planners.toolpath.readers.gcode.macros.variables import Variables
 
 Line = tuple[int, str]
 _O_WORD = re.compile(

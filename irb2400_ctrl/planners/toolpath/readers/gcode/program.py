@@ -22,13 +22,13 @@ from irb2400_ctrl.planners.toolpath.readers.gcode.cycles import CYCLES
 from irb2400_ctrl.planners.toolpath.readers.gcode.decimal_points import without_point
 from irb2400_ctrl.planners.toolpath.readers.gcode.frames import GcodeFrames
 from irb2400_ctrl.planners.toolpath.readers.gcode.machine import GcodeMachine
+from irb2400_ctrl.planners.toolpath.readers.gcode.macros.variables import Variables
 from irb2400_ctrl.planners.toolpath.readers.gcode.motion import GcodeMotion, moves
 from irb2400_ctrl.planners.toolpath.readers.gcode.rotary import Rotary
 from irb2400_ctrl.planners.toolpath.readers.gcode.splines import MODES as SPLINES
 from irb2400_ctrl.planners.toolpath.readers.gcode.state import AXES, ROTARY, GcodeState
 from irb2400_ctrl.planners.toolpath.readers.gcode.subprograms import in_order
 from irb2400_ctrl.planners.toolpath.readers.gcode.swivel import swivel
-from irb2400_ctrl.planners.toolpath.readers.gcode.variables import Variables
 from irb2400_ctrl.planners.toolpath.readers.gcode.work_offsets import WorkOffsets
 from irb2400_ctrl.planners.toolpath.readers.program_builder import ProgramBuilder
 from irb2400_ctrl.planners.toolpath.readers.unread_line import UnreadLineError
@@ -56,8 +56,9 @@ def read_gcode(
         InputError: a word that is not known or not read, with its line.
     """
     turning = None if rotary is None else Rotary.of(rotary)
-    reader = _Reader(builder, units, turning, frames, siemens=is_siemens(text, name))
-    variables = Variables()
+    siemens = is_siemens(text, name)
+    reader = _Reader(builder, units, turning, frames, siemens=siemens)
+    variables = Variables(siemens=siemens)
     lines, notes = in_order(text, name, variables)
     listed = list(blocks(lines, name, variables))
     reader.survey([block for block in listed if isinstance(block, Block)])

@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.planners.toolpath.readers.gcode.flow import COMMENT, Flow, Line
-from irb2400_ctrl.planners.toolpath.readers.gcode.variables import ENTER, LEAVE, Variables
+from irb2400_ctrl.planners.toolpath.readers.gcode.macros.variables import ENTER, LEAVE, Variables
 
 _NUMBERED = re.compile(r"^\s*(?:/\s*)?[O:]\s*(\d+)\s*(?:$|[(<;])", re.IGNORECASE)
 _ARCHIVE = re.compile(r"^\s*%_N_(\w+)_(MPF|SPF)\b", re.IGNORECASE)

@@ -1,8 +1,4 @@
-"""Variables of G-code that a file sets for itself: #100 (Fanuc, LinuxCNC), R1 and those that
-`DEF REAL _F_CUT` names (Siemens).
-
-Assignments and arithmetic; angles in degrees. What a file does not set, the control knows: refused.
-"""
+"""Expressions of G-code: arithmetic on numbers and variables, angles in degrees."""
 
 from __future__ import annotations
 
@@ -13,21 +9,9 @@ from collections.abc import Callable
 
 from irb2400_ctrl.errors import InputError
 
-# between the lines: a program of LinuxCNC begins, with its arguments, and ends; no text has a zero
-ENTER = "\0enter "
-LEAVE = "\0leave"
 _NUMBER = re.compile(r"\s*(\d+\.?\d*|\.\d+)")
 _NAME = re.compile(r"\s*([A-Z]+2?)\s*(?=\[)")
-_SET = re.compile(r"\s*(?:N\d+\s*)?(?:#\s*(\d+|<\w+>)|(R\d+))\s*=(?!=)")
-_DEFINED = re.compile(
-    r"\s*(?:N\d+\s*)?DEF\s+(?:REAL|INT|BOOL|CHAR|STRING\s*\[\s*\d+\s*\])\s+(?=[A-Z_])"
-)
-_NAME_SET = re.compile(r"\s*(?:N\d+\s*)?([A-Z_]\w*)\s*=(?!=)")
-_EQUALS_NAME = re.compile(r"([A-Z][A-Z0-9]*)\s*=\s*(?=[-+*/\d.\s]*([A-Z_]\w+))")
-_FLOW = re.compile(r"\b(WHILE|IF|GOTO[FBCS]?|DO\s*\d|END\s*\d?|FOR|LOOP|REPEAT|UNTIL|ELSE)\b")
-# a word whose number is a variable or an expression: X#1, X-[#1+2], X=R1*2, CR=R5
-_WORD = re.compile(r"([A-Z](?:R(?==)|\d(?==))?)\s*(=?)\s*(?=[-+]?\s*(?:#|\[))")
-_EQUALS = re.compile(r"([A-Z][A-Z0-9]*)\s*=\s*(?=[^=]*(?:\bR\d|\[|[-+*/]\s*[\d.(]))")
+_VARIABLE = re.compile(r"\s*(?:#\s*(\d+|<\w+>)|(R\d+)\b|([A-Z_]\w+)\b(?!\s*[\[<(]))")
 FUNCTIONS: dict[str, Callable[[float], float]] = {
     "SIN": lambda x: math.sin(math.radians(x)),
     "COS": lambda x: math.cos(math.radians(x)),
@@ -53,145 +37,29 @@ COMPARISONS: dict[str, Callable[[float, float], bool]] = {
     "LT": operator.lt,
     "LE": operator.le,
 }
-# what each sub-program of LinuxCNC has for itself
-_LOCAL = re.compile(r"[1-9]|[12]\d|30|<[^_]\w*>")
-MOST_ARGUMENTS = 30
 DEEPEST = 50
+TURNING = frozenset(["SIN", "COS", "TAN"])
+"""to which an angle and the same 360 deg larger are one"""
 
 
-_VARIABLE = re.compile(r"\s*(?:#\s*(\d+|<\w+>)|(R\d+)\b|([A-Z_]\w+)\b(?!\s*[\[<(]))")
+class Turned(float):
+    """An angle below zero, which some controls of Fanuc state 360 deg larger."""
 
 
-class Variables:
-    """What the file has set so far."""
-
-    def __init__(self) -> None:
-        self._known: dict[str, float] = {}
-        self._callers: list[dict[str, float]] = []
-        self._names: set[str] = set()
-        """those that DEF states"""
-
-    def scope(self, order: str, place: str) -> None:
-        """A sub-program of LinuxCNC begins, with its arguments as #1 … #30, or ends: those and
-        #<names> without _ are its own, and the caller's come back.
-
-        Args:
-            order: `ENTER` with `[…][…]` behind it, or `LEAVE`.
-            place: for messages.
-
-        Raises:
-            InputError: an argument that is no expression.
-        """
-        own = {name for name in self._known if _LOCAL.fullmatch(name)}
-        shared = {name: value for name, value in self._known.items() if name not in own}
-        if order == LEAVE:
-            self._known = shared | self._callers.pop()
-            return
-        self._callers.append({name: self._known[name] for name in own})
-        given = self._arguments(order.removeprefix(ENTER).upper(), place)
-        given += [0.0] * (MOST_ARGUMENTS - len(given))
-        self._known = shared | {str(number): value for number, value in enumerate(given, 1)}
-
-    def value(self, code: str, place: str) -> float:
-        """An expression, such as a condition in brackets: 1 where it holds.
-
-        Args:
-            code: upper case, without comments.
-            place: for messages.
-
-        Raises:
-            InputError: a variable that is not set, or no expression.
-        """
-        reader = _Expression(code, 0, self._known, place)
-        found = reader.signed()
-        if code[reader.at :].strip():
-            raise InputError(f"{place}: found {code.strip()[:30]!r}, expected one condition")
-        return found
-
-    def _arguments(self, code: str, place: str) -> list[float]:
-        found = []
-        at = 0
-        while code[at:].strip():
-            reader = _Expression(code, at, self._known, place)
-            found.append(reader.bracket())
-            at = reader.at
-        return found
-
-    def resolve(self, code: str, place: str) -> str:
-        """The code of a line with numbers in the place of variables; assignments are kept and taken
-        out.
-
-        Args:
-            code: upper case, without comments.
-            place: for messages.
-
-        Raises:
-            InputError: a variable that is not set, an expression that is none.
-        """
-        if defined := _DEFINED.match(code):
-            return self._define(code[defined.end() :], place)
-        if not ("#" in code or "[" in code or "=" in code) or _FLOW.search(code):
-            return code
-        if "<_HAL[" in code:
-            raise InputError(
-                f"{place}: found #<_hal[…]>, a value of the control, which is not in the file; "
-                "write the number"
-            )
-        code = self._assigned(code, place)
-        out = ""
-        at = 0
-        while at < len(code):
-            # letters are words of their own here, so that R in X1R5 is none of a variable
-            word = _WORD.match(code, at)
-            equals = None if word else _EQUALS.match(code, at) or self._with_name(code, at)
-            found = word or equals
-            if found is None or (equals and re.match(r"\s*[ADI]C\s*[\[(]", code[equals.end() :])):
-                out += code[at]
-                at += 1
-                continue
-            reader = _Expression(code, found.end(), self._known, place)
-            value = reader.sum() if equals or found.group(2) else reader.signed()
-            out += f"{found.group(1)}{'=' if equals or found.group(2) else ''}{value:.12f} "
-            at = reader.at
-        return out
-
-    def _assigned(self, code: str, place: str) -> str:
-        while found := _SET.match(code) or self._name_set(code):
-            reader = _Expression(code, found.end(), self._known, place)
-            name = next(name for name in found.groups() if name)
-            self._known[name] = reader.sum()
-            code = code[reader.at :]
-            if re.search(rf"#\s*{name}(?!\d)", code):
-                raise InputError(
-                    f"{place}: #{name} is set and used in one block, where some controls take the "
-                    "value from before it; expected two blocks"
-                )
-        return code
-
-    def _name_set(self, code: str) -> re.Match[str] | None:
-        found = _NAME_SET.match(code)
-        return found if found and found.group(1) in self._names else None
-
-    def _with_name(self, code: str, at: int) -> re.Match[str] | None:
-        found = _EQUALS_NAME.match(code, at) if self._names else None
-        return found if found and found.group(2) in self._names else None
-
-    def _define(self, text: str, place: str) -> str:
-        """DEF REAL a, b=2: what is set is kept, the others are not known yet."""
-        for part in text.split(","):
-            name, equals, _ = part.partition("=")
-            self._names.add(name.strip())
-            if equals:
-                self._assigned(part, place)
-        return ""
+def _like(result: float, *operands: float) -> float:
+    return Turned(result) if any(isinstance(value, Turned) for value in operands) else result
 
 
-class _Expression:
+class Expression:
     """Reads one from a place on; `at` is where it ends."""
 
     def __init__(self, code: str, at: int, known: dict[str, float], place: str) -> None:
         self._code = code
         self.at = at
+        self.siemens = False
+        """the control is one of Siemens, which calculates in one way"""
+        self.in_word = False
+        """the value is the number of a word such as X"""
         self._known = known
         self._place = place
         self._depth = 0
@@ -201,14 +69,14 @@ class _Expression:
         value = self._product()
         while sign := self._taken("+", "-"):
             other = self._product()
-            value = value + other if sign == "+" else value - other
+            value = _like(value + other if sign == "+" else value - other, value, other)
         return self._finite(value)
 
     def signed(self) -> float:
         """One number with its sign: a variable, a bracket, a function."""
         sign = self._taken("+", "-")
         value = self.signed() if sign else self._single()
-        return -value if sign == "-" else value
+        return _like(-value, value) if sign == "-" else value
 
     def bracket(self) -> float:
         """[ and ] with an expression between them."""
@@ -232,12 +100,15 @@ class _Expression:
     def _comparison(self) -> float:
         value = self.sum()
         word = self._taken(*COMPARISONS)
-        return float(COMPARISONS[word](value, self.sum())) if word else value
+        if word is None:
+            return value
+        return float(COMPARISONS[word](self.plain(value), self.plain(self.sum())))
 
     def _product(self) -> float:
         value = self._power()
         while sign := self._taken("*", "/", "MOD"):
-            other = self._power()
+            value = self.plain(value)
+            other = self.plain(self._power())
             if sign != "*" and other == 0:
                 raise InputError(f"{self._place}: a division by zero in {self._code.strip()!r}")
             if sign == "MOD" and min(value, other) < 0:
@@ -248,7 +119,9 @@ class _Expression:
 
     def _power(self) -> float:
         value = self.signed()
-        return self._finite(value ** self.signed()) if self._taken("**") else value
+        if self._taken("**") is None:
+            return value
+        return self._finite(self.plain(value) ** self.plain(self.signed()))
 
     def _single(self) -> float:
         self._depth += 1
@@ -277,24 +150,49 @@ class _Expression:
     def _function(self, name: str) -> float:
         self._expect("[")
         value = self.sum()
+        if name not in TURNING:
+            value = self.plain(value)
         if name in {"ATAN", "ATAN2"}:
             # ATAN[y]/[x] (Fanuc), ATAN2(y, x) (Siemens)
             divided = self._taken("]") is not None
             self._expect("/" if divided else ",")
             if divided:
                 self._expect("[")
-            angle = math.degrees(math.atan2(value, self.sum()))
+            angle = math.degrees(math.atan2(value, self.plain(self.sum())))
             self._expect("]")
-            return angle
+            return self._by_range(name, angle)
         self._expect("]")
         if name not in FUNCTIONS:
             raise InputError(f"{self._place}: found the function {name}, which is not read")
         if name in {"FIX", "FUP"} and value < 0 and value != math.trunc(value):
             raise self._by_control(f"{name} of a negative number")
+        if name == "ROUND" and self.in_word and not self.siemens and value != math.trunc(value):
+            raise self._by_control(
+                f"ROUND of {value:g} in a word is rounded to the smallest step by Fanuc and to a "
+                "whole number by LinuxCNC"
+            )
         try:
-            return FUNCTIONS[name](value)
+            return self._by_range(name, FUNCTIONS[name](value))
         except (ValueError, OverflowError) as error:
             raise InputError(f"{self._place}: {name} of {value:g}: {error}") from error
+
+    def _by_range(self, name: str, value: float) -> float:
+        """An angle below zero is one from 180 to 360 deg on some controls of Fanuc."""
+        ranged = name in {"ATAN", "ASIN"} and value < 0 and not self.siemens
+        return Turned(value) if ranged else value
+
+    def plain(self, value: float) -> float:
+        """The value itself.
+
+        Raises:
+            InputError: it is an angle that not all controls state so.
+        """
+        if isinstance(value, Turned):
+            raise self._by_control(
+                f"an angle of ATAN or ASIN below zero, {value:g} or {value + 360:g} deg (Fanuc), "
+                "for more than SIN, COS, TAN and the words A, B, C"
+            )
+        return value
 
     def _variable(self, name: str) -> float:
         if name not in self._known:
