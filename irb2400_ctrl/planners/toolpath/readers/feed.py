@@ -49,3 +49,21 @@ class Feed:
         if self.kind == "inverse":
             return max(self.value * length, 1e-9)
         return self.value
+
+    def turning_alone(self, place: str) -> str:
+        """What is said of a cut in which the tip stands and the tool turns.
+
+        Raises:
+            InputError: its time is stated.
+        """
+        if self.kind == "inverse":
+            raise InputError(
+                f"{place}: found a cut in inverse time (G93, INVERS) that turns the tool on the "
+                "spot; a plan has feeds of the tip, which stands, and cannot hold its time: "
+                "expected G94, where it turns as fast as the arm's limits allow, or a turn on the "
+                "way"
+            )
+        return (
+            "a cut that turns the tool on the spot: F, degrees per minute on many controls, does "
+            "not limit it; it turns as fast as the arm's limits allow"
+        )

@@ -10,14 +10,15 @@ import numpy as np
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.planners.toolpath.cam_program import CamProgram, Event, Spindle, Tool
-from irb2400_ctrl.planners.toolpath.readers.expansion import arcs, drilling
+from irb2400_ctrl.planners.toolpath.readers.expansion import arcs
 from irb2400_ctrl.planners.toolpath.readers.expansion.arcs import Arc
-from irb2400_ctrl.planners.toolpath.readers.expansion.drilling import HoleCycle
 from irb2400_ctrl.planners.toolpath.readers.feed import Feed
 from irb2400_ctrl.planners.toolpath.readers.notes import Notes
 from irb2400_ctrl.planners.toolpath.readers.operation_draft import FROM_ABOVE, Draft, finished
 
 CHORD = 5e-5
+# a cut in which the tip goes less for each radian of turning has no feed to speak of [m/rad]
+ON_THE_SPOT = 1e-4
 MOST_POINTS = 2_000_000
 UP = np.array([0.0, 0.0, 1.0])
 
@@ -196,7 +197,11 @@ class ProgramBuilder:
         self._from_above &= not height
         self._draft.carried += self._from_above
         length = 0.0 if self.here is None else float(np.linalg.norm(position - self.here))
-        self.axis = self.axis if axis is None else axis
+        axis = self.axis if axis is None else axis
+        turn = float(np.linalg.norm(axis - self.axis))
+        if self._draft.position and not rapid and length < ON_THE_SPOT * turn:
+            self.note("assumed", self.feed.turning_alone(self.place))
+        self.axis = axis
         self._append(position, self._speed(length, rapid), rapid)
 
     def start(self, position: Array, axis: Array | None = None) -> None:
@@ -235,20 +240,6 @@ class ProgramBuilder:
         )
         known = np.tile(self.axis, (len(places), 1)) if axes is None else axes
         self._curve(places, known, self._speed(length, rapid), rapid)
-
-    def drill(self, cycle: HoleCycle, point: Array, axis: Array | None = None) -> None:
-        """A hole: approach, feed, retract."""
-        self.axis = self.axis if axis is None else axis
-        kept = self.feed
-        cycle = drilling.with_retract(cycle, self.here, point, self.axis)
-        for step in drilling.approach(cycle, self.here, point, self.axis):
-            self.move(step.position, rapid=True)
-        self.feed = kept if cycle.feed is None else cycle.feed
-        for step in drilling.hole(cycle, point, self.axis):
-            self.move(step.position, rapid=step.rapid)
-            if step.dwell > 0:
-                self.dwell(step.dwell)
-        self.feed = kept
 
     def finish(self, dialect: str, units: str, units_stated: bool) -> CamProgram:
         """The operations that move the tool, all in the frame of the first of them.

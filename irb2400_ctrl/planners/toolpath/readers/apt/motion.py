@@ -12,6 +12,7 @@ from irb2400_ctrl.planners.toolpath.readers.apt.nurbs import Nurbs
 from irb2400_ctrl.planners.toolpath.readers.apt.placement import Placement
 from irb2400_ctrl.planners.toolpath.readers.apt.statements import Statement, is_number, number
 from irb2400_ctrl.planners.toolpath.readers.expansion.drilling import HoleCycle
+from irb2400_ctrl.planners.toolpath.readers.hole_moves import drill
 from irb2400_ctrl.planners.toolpath.readers.program_builder import ProgramBuilder
 
 
@@ -87,7 +88,7 @@ class Motion:
         if self._cycle is not None:
             if rapid:
                 builder.note("assumed", "RAPID before a point of a CYCLE/: it is a hole as well")
-            builder.drill(self._cycle, position, axis)
+            drill(builder, self._cycle, position, axis)
         elif self._circles.open:
             self._circles.close(position, axis, rapid)
         elif not self._circles.goes_on(position, axis, rapid):

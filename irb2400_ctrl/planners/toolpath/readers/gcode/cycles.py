@@ -9,6 +9,7 @@ from irb2400_ctrl.planners.toolpath.readers.expansion.drilling import HoleCycle
 from irb2400_ctrl.planners.toolpath.readers.gcode.hole_calls import HoleCall, cycle_of, left_out
 from irb2400_ctrl.planners.toolpath.readers.gcode.hole_patterns import PATTERNS, places
 from irb2400_ctrl.planners.toolpath.readers.gcode.state import GcodeState
+from irb2400_ctrl.planners.toolpath.readers.hole_moves import drill
 from irb2400_ctrl.planners.toolpath.readers.program_builder import ProgramBuilder
 
 DWELLING = frozenset([76, 82, 86, 88, 89])
@@ -169,7 +170,7 @@ class GcodeCycles:
         z = state.tilt[:3, 2]
         if not np.allclose(z, builder.axis, atol=1e-6) and builder.moved:
             raise InputError(f"{builder.place}: a cycle with the tool not along its Z")
-        builder.drill(cycle, point, z)
+        drill(builder, cycle, point, z)
         state.at = [x, y, level + up]
 
     def call(self, call: HoleCall) -> None:
@@ -222,7 +223,7 @@ class GcodeCycles:
         axis = state.tilt[:3, 2]
         if builder.moved and not np.allclose(axis, builder.axis, atol=1e-6):
             raise InputError(f"{place}: a cycle with the tool not along its Z")
-        builder.drill(cycle, state.placed([x, y, plane], place), axis)
+        drill(builder, cycle, state.placed([x, y, plane], place), axis)
         state.at = [x, y, plane + cycle.retract]
 
 

@@ -15,6 +15,7 @@ from irb2400_ctrl.planners.toolpath.readers.expansion.drilling import MOST_STEPS
 from irb2400_ctrl.planners.toolpath.readers.feed import Feed
 from irb2400_ctrl.planners.toolpath.readers.gcode.state import GcodeState
 from irb2400_ctrl.planners.toolpath.readers.heidenhain.machine import PlainMachine
+from irb2400_ctrl.planners.toolpath.readers.hole_moves import drill
 from irb2400_ctrl.planners.toolpath.readers.program_builder import ProgramBuilder
 
 KINDS = {
@@ -121,7 +122,7 @@ class PlainCycles:
         axis = state.tilt[:3, 2]
         if builder.moved and not np.allclose(axis, builder.axis, atol=1e-6):
             raise InputError(f"{place}: a cycle with the tool not along its Z")
-        builder.drill(cycle, state.placed([x, y, surface], place), axis)
+        drill(builder, cycle, state.placed([x, y, surface], place), axis)
         state.at = [x, y, surface + cycle.retract]
 
     def _cycle(self, defined: Definition, place: str) -> HoleCycle:
