@@ -141,7 +141,9 @@ class Fitter:
         """A fit with its deviations in stated standard deviations again."""
         wide = self.widened
         Z = np.concatenate([fit.Z[:, :, : self.own] / wide, fit.Z[:, :, self.own :]], axis=2)
-        return replace(fit, Z=Z, z=fit.z * wide, z_covariance=fit.z_covariance * np.outer(wide, wide))
+        return replace(
+            fit, Z=Z, z=fit.z * wide, z_covariance=fit.z_covariance * np.outer(wide, wide)
+        )
 
     def _fitted(self, chosen: Sequence[Candidate]) -> Fit:
         effects = [e for c in chosen for e in c.effects]
