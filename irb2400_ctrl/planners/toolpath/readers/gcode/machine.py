@@ -225,5 +225,7 @@ class GcodeMachine:
     def _order(self, order: str) -> None:
         if order in {"TRAORI", "TRAFOOF"}:
             self._state.tool_centre = order == "TRAORI"
+        elif order in {"ORIMKS", "ORIAXES", "ORIWKS", "ORIVECT", "ORIPLANE"}:
+            self._state.evenly = order in {"ORIMKS", "ORIAXES"}
         elif order not in {"SUPA", *PROGRAMMED}:
             self._builder.note("ignored", order)

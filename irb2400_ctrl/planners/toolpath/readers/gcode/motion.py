@@ -29,8 +29,6 @@ ABSOLUTE = ("IAC", "JAC", "KAC")
 VECTOR = ("A3", "B3", "C3")
 # an arc by its radius may miss its chord by rounding
 RADIUS_SHORT = 1e-5
-# angles of axes and of planes are written with three decimals or four
-PLANE_APART_DEG = 0.1
 
 
 class GcodeMotion:
@@ -92,6 +90,7 @@ class GcodeMotion:
         if motion == 0 and not state.tool_centre and not any(k in values for k in (*AXES, *VECTOR)):
             self._turn_alone(values)
             return
+        before = dict(state.rotary)
         axis = self._axis(values)
         if motion in CYCLES:
             self.cycles.run(motion, values)
@@ -100,7 +99,7 @@ class GcodeMotion:
         elif motion in {2, 3}:
             self._arc(motion, values, axis)
         else:
-            self._straight(values, axis, rapid=motion == 0)
+            self._straight(values, self._way(values, before, axis), rapid=motion == 0)
 
     def _turn_alone(self, values: dict[str, float]) -> None:
         """G0 with A, B, C only, without tool centre control: the table or the head stands otherwise
@@ -130,7 +129,23 @@ class GcodeMotion:
         if state.follows and set(ROTARY) & set(values):
             self._follow()
 
-    def _straight(self, values: dict[str, float], axis: Array, *, rapid: bool) -> None:
+    def _way(self, values: dict[str, float], before: dict[str, float], axis: Array) -> Array:
+        """Tool axes of a straight move, shape (m, 3), the last at its end.
+
+        Args:
+            values: words of the block.
+            before: degrees of the rotary axes before it.
+            axis: at its end.
+        """
+        state = self._state
+        # in a tilted plane (G68.2) the control turns them; DC=, ACP= say which way
+        turns = state.tool_centre and np.array_equal(state.plane_pose, np.eye(4))
+        turns &= bool(set(ROTARY) & set(values)) and TO_ANGLE not in values
+        if self._rotary is None or not (turns and state.evenly):
+            return axis[None]
+        return np.asarray(self._rotary.way(before, state.rotary) @ state.tilt[:3, :3].T)
+
+    def _straight(self, values: dict[str, float], axes: Array, *, rapid: bool) -> None:
         state = self._state
         builder = self._builder
         others = [
@@ -150,7 +165,14 @@ class GcodeMotion:
         place = state.placed(target, builder.place)
         if builder.here is None and not rapid:
             builder.note("assumed", "the first move comes from an unknown place: begun at its end")
-        builder.move(place, axis=axis, rapid=rapid, height="Z" in values)
+        if builder.here is None or rapid or len(axes) == 1:
+            builder.move(place, axis=axes[-1], rapid=rapid, height="Z" in values)
+        elif np.array_equal(place, builder.here):
+            for axis in axes:
+                builder.move(place, axis=axis, height="Z" in values)
+        else:
+            share = np.arange(1, len(axes) + 1)[:, None] / len(axes)
+            builder.curve(builder.here + share * (place - builder.here), axes)
         state.at = target
 
     def _arc(self, motion: float, values: dict[str, float], axis: Array) -> None:
@@ -299,10 +321,7 @@ class GcodeMotion:
             raise InputError(f"{builder.place}: {REFUSAL}")
         if not state.tool_centre:
             raise InputError(f"{builder.place}: {UNCONTROLLED}")
-        try:
-            return np.asarray(R @ self._rotary.axis(state.rotary))
-        except InputError as error:
-            raise InputError(f"{builder.place}: {error}") from error
+        return np.asarray(R @ self._rotary.axis(state.rotary, builder.place))
 
     def _agrees(self, normal: Array, *, stated: bool = False) -> None:
         """The angles that the file states lead to the plane that it states.
@@ -317,21 +336,8 @@ class GcodeMotion:
         state = self._state
         if self._rotary is None and stated:
             raise InputError(f"{self._builder.place}: {REFUSAL}")
-        if self._rotary is None or not (state.turned_by_file or stated):
-            return
-        try:
-            found = self._rotary.axis(state.rotary)
-        except InputError as error:
-            raise InputError(f"{self._builder.place}: {error}") from error
-        apart = math.degrees(math.acos(min(float(found @ normal), 1.0)))
-        if apart > PLANE_APART_DEG:
-            angles = " ".join(f"{k}{v:g}" for k, v in state.rotary.items() if v)
-            raise InputError(
-                f"{self._builder.place}: the tilted plane and its angles {angles} differ by "
-                f"{apart:.1f} deg with the stated rotary axes: the machine has them in another "
-                "order, another sign (-C), or inclined ones, which are not read; expected others, "
-                "or APT with tool axes"
-            )
+        if self._rotary is not None and (state.turned_by_file or stated):
+            self._rotary.leads_to(normal, state.rotary, self._builder.place)
 
 
 def moves(values: dict[str, float], motion: float | None = None) -> bool:

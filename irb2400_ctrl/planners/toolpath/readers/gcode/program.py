@@ -96,7 +96,7 @@ class _Reader:
         siemens: bool,
     ) -> None:
         self._builder = builder
-        self._state = GcodeState(siemens=siemens)
+        self._state = GcodeState(siemens=siemens, evenly=not siemens)
         if units is not None:
             self._state.unit = LENGTHS[units]
             self._state.feed_unit = LENGTHS[units]

@@ -67,6 +67,9 @@ class GcodeState:
     """the coordinates turn with the rotary axes about the work frame's zero (G254, Haas)"""
     tool_centre: bool = False
     """the coordinates are those of the tool's tip in the part (G43.4, M128, TRAORI)"""
+    evenly: bool = True
+    """rotary axes turn evenly then; on a control of Siemens behind ORIMKS or ORIAXES alone, else
+    the tool's axis goes the shortest way"""
     vectors: bool = False
     """I J K of a straight move are the tool axis (G43.5)"""
     cycle: dict[str, float] = field(default_factory=dict)

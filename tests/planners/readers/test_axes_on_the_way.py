@@ -1,0 +1,85 @@
+"""Under tool centre control the rotary axes turn evenly, and the tool's axis goes their way."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.planners import read_program
+from irb2400_ctrl.planners.toolpath.readers.gcode.rotary import Rotary
+
+CONE = (
+    "G21 G90\nG43.4 H1\nG0 X0. Y0. Z50. A30. C0.\nG1 Z0. F600.\nG1 X50. C180. F600.\n"
+    "G1 X60. C300.\nM30\n"
+)
+HEIDENHAIN = (
+    "BEGIN PGM A MM\nM128\nL X0 Y0 Z50 A30 C0 R0 FMAX\nL Z0 F600\nL X50 C180\nL X60 C300\n"
+    "END PGM A MM\n"
+)
+
+
+def path(folder: Path, text: str, name: str = "a.nc") -> tuple[Array, Array, Array]:
+    """Places [mm], axes and feeds of the first operation."""
+    (folder / name).write_text(text)
+    operation = read_program(folder / name, rotary="C,A").operations[0].path
+    return 1e3 * operation.position, operation.axis, operation.feed
+
+
+@pytest.mark.parametrize(("text", "name"), [(CONE, "a.nc"), (HEIDENHAIN, "a.h")])
+def test_a_tilted_head_that_turns_leads_its_axis_along_a_cone(
+    text: str, name: str, tmp_path: Path
+) -> None:
+    """It went through upright, 30 degrees off."""
+    place, axis, feed = path(tmp_path, text, name)
+    np.testing.assert_allclose(axis[:, 2], np.cos(np.radians(30.0)), atol=1e-3)
+    half = int(np.argmin(np.abs(place[:, 0] - 25.0)))
+    np.testing.assert_allclose(axis[half], [0.5, 0.0, 0.866], atol=0.02)
+    turn = np.unwrap(np.arctan2(axis[1:, 1], axis[1:, 0]))
+    assert np.degrees(abs(turn[-1] - turn[0])) == pytest.approx(300.0, abs=1e-6)
+    np.testing.assert_allclose(place[-1], [60.0, 0.0, 0.0], atol=1e-9)
+    np.testing.assert_allclose(feed[np.isfinite(feed)], 0.01)
+
+
+@pytest.mark.parametrize(
+    ("word", "upright"),
+    [("", True), ("ORIWKS\n", True), ("ORIMKS\n", False), ("ORIAXES\nORIVECT\n", True)],
+)
+def test_on_a_control_of_siemens_the_axis_goes_the_shortest_way(
+    word: str, upright: bool, tmp_path: Path
+) -> None:
+    """ORIWKS, in the plane of both axes, is its basic setting; ORIMKS turns the machine's axes."""
+    text = f"G710 G90\nTRAORI\n{word}G0 X0 Y0 Z5 A=30 C=0\nG1 X50 C=170 F600\nX60\nM30\n"
+    _, axis, _ = path(tmp_path, text, "a.mpf")
+    # two axes alone are joined the shortest way
+    assert (len(axis) < 5) == upright
+
+
+def test_inverse_time_is_of_the_whole_block(tmp_path: Path) -> None:
+    """30 mm in half a minute."""
+    text = "G21 G90\nG43.4 H1\nG0 X0. Y0. Z0. A30. C0.\nG93 G1 X30. C90. F2.\nM30\n"
+    _, axis, feed = path(tmp_path, text)
+    assert len(axis) > 40
+    np.testing.assert_allclose(feed[np.isfinite(feed)], 0.001)
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "count"),
+    [
+        ({"A": 0.0, "C": 0.0}, {"A": 40.0, "C": 0.0}, 1),
+        ({"A": 30.0, "C": 0.0}, {"A": 30.0, "C": 0.8}, 1),
+        ({"A": 0.0, "C": 0.0}, {"A": 0.0, "C": 300.0}, 1),
+        ({"A": 30.0, "C": 0.0}, {"A": 30.0, "C": 10.0}, 5),
+        ({"A": -80.0, "C": 0.0}, {"A": 90.0, "C": 0.0}, 1),
+        ({"A": 30.0, "C": 350.0}, {"A": 30.0, "C": 10.0}, 10),
+        ({"A": 30.0, "C": 0.0}, {"A": 30.0, "C": 360.0}, 1),
+    ],
+)
+def test_axes_are_stated_where_the_way_is_not_the_shortest(
+    before: dict[str, float], after: dict[str, float], count: int
+) -> None:
+    axes = Rotary.of("C,A").way(before, after)
+    assert len(axes) == count
+    np.testing.assert_allclose(axes[-1], Rotary.of("C,A").axis(after), atol=1e-12)
