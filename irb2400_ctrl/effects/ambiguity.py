@@ -25,6 +25,8 @@ class Ambiguity:
         passing: kinds of other groups that pass for a member on an ordinary motion.
         motions: names of the pieces (`excitation.segments.FLAVOURS`) that the separating motion is
             drawn from; empty: all.
+        like_details: what a real arm has besides and no library names (slow ripples, filters of a
+            recorder, wrong bodies) looks like a small one.
 
     Of one effect alone:
         lookalikes: kinds of other groups that ordinary logs do not tell from it.
@@ -41,6 +43,7 @@ class Ambiguity:
     measure_else: str = ""
     passing: tuple[str, ...] = ()
     motions: tuple[str, ...] = ()
+    like_details: bool = False
     lookalikes: tuple[str, ...] = ()
     limit_of: tuple[str, ...] = ()
     change_of: tuple[BaseTerm, ...] = ()
@@ -70,6 +73,7 @@ DELAY = Ambiguity(
     measure_else="record position and torque of one tap on the arm, on one clock",
     passing=("viscous_change", "rotor_inertia"),
     motions=("fast", "chirp", "lively"),
+    like_details=True,
 )
 DYNAMIC = Ambiguity(
     "dynamic",
@@ -92,6 +96,7 @@ GAIN = Ambiguity(
     measure_else="record the same motion with a second, known payload: a gain scales its torque "
     "too, a spring does not",
     passing=("link_inertia",),
+    like_details=True,
 )
 INERTIA = Ambiguity(
     "inertia",
@@ -105,6 +110,7 @@ MASS = Ambiguity(
     splits="wide ranges of the axes behind it, high accelerations",
     measure_else="weigh the tool, or record the same motion without it; a link's mass stays",
     on_another_link=True,
+    like_details=True,
 )
 OFFSET = Ambiguity(
     "offset",
@@ -121,6 +127,7 @@ POSITION_ERROR = Ambiguity(
     "dial gauge; or record the same motion with a second payload",
     passing=("elastic_joint",),
     motions=("swing", "slow", "alone", "reversals", "lively"),
+    like_details=True,
 )
 POSITION_LAW = Ambiguity(
     "position law",
@@ -128,6 +135,7 @@ POSITION_LAW = Ambiguity(
     measure_else="record the same motion with the cable package taken off",
     passing=("torque_offset", "balancer"),
     motions=("slow", "swing", "alone"),
+    like_details=True,
 )
 REVERSAL = Ambiguity(
     "reversal",
@@ -148,6 +156,7 @@ TOOL = Ambiguity(
     splits="the same motion without contact",
     measure_else="record the same motion without contact",
     passing=("payload", "base_tilt"),
+    like_details=True,
 )
 VISCOUS = Ambiguity(
     "viscous",

@@ -66,6 +66,11 @@ def test_a_law_of_the_angle_beside_a_slow_ripple_is_none_to_be_sure_of() -> None
         ("gear_ripple", 5.0, 0.01, False),
         ("rotor_inertia", 5.0, 0.01, False),
         ("torque_offset", 5.0, 0.01, False),
+        # with a course of their own
+        ("viscous_warmup", 5.0, 0.01, False),
+        ("base_tilt", 5.0, 0.01, False),
+        ("wrist_coupling", 5.0, 0.01, False),
+        ("hysteresis", 5.0, 0.01, False),
     ],
 )
 def test_a_name_that_says_little_is_none_to_be_sure_of(
