@@ -5,7 +5,6 @@ from __future__ import annotations
 from itertools import cycle
 from types import SimpleNamespace
 from typing import Any
-from unittest import mock
 
 import numpy as np
 import pytest
@@ -113,45 +112,6 @@ def test_a_fit_beside_wider_numbers_is_told_in_stated_deviations() -> None:
     np.testing.assert_allclose(told.Z, stated)
     np.testing.assert_allclose(told.z, 4.0 * z)
     np.testing.assert_allclose(told.z_covariance, 16.0 * np.eye(3))
-
-
-@pytest.mark.parametrize("known", [False, True])
-def test_friction_alone_may_be_further_off(known: bool) -> None:
-    """Of an arm with friction a fifth off a load of 2.5 kg was lost: all numbers were said to be
-    four times as far off, and impossible inertias of the last links took it in. What an
-    identification knows of friction it knows together with the bodies."""
-    fitter: Any = SimpleNamespace(own=5, friction=0 if known else 2)
-    ways = [way.tolist() for way in Fitter.wider(fitter, (2.0, 4.0))]
-    assert ways[:2] == [[2.0] * 5, [4.0] * 5]
-    assert ways[2:] == ([] if known else [[1.0, 1.0, 1.0, w, w] for w in (2.0, 4.0)])
-
-
-def test_that_which_explains_most_is_taken() -> None:
-    """Here the last two numbers are five standard deviations off, the first as stated."""
-    rng = np.random.default_rng(3)
-    Z = rng.normal(size=(400, 1, 5))
-    y = Z @ np.array([0.5, -0.8, 0.3, 5.0, -5.0]) + 0.1 * rng.normal(size=(400, 1))
-
-    class OfSomeBase:
-        def __init__(self, scan: Any, noise: Any, y: Any, Z: Any) -> None:
-            covariance = 0.01 * np.eye(400) + Z[:, 0] @ Z[:, 0].T
-            sign, size = np.linalg.slogdet(covariance)
-            assert sign > 0
-            nats = -0.5 * (size + y[:, 0] @ np.linalg.solve(covariance, y[:, 0]))
-            self.base = SimpleNamespace(log_evidence=nats)
-
-    fitter = SimpleNamespace(own=5, friction=2, noise=None)
-    fitter.wider = lambda factors: Fitter.wider(fitter, factors)  # type: ignore[arg-type]
-    selection: Any = Selection.__new__(Selection)
-    selection.scan = None
-    selection.fitter = fitter
-    selection.criteria = Criteria(wider=(2.0, 4.0), gain=2.0)
-    with mock.patch("irb2400_ctrl.diagnosis.comparison.selection.Comparison", OfSomeBase):
-        beside: Any = OfSomeBase(None, None, y, Z)
-        beside.y = y
-        beside.Z = Z
-        found = selection._rather_wider(None, beside)
-    assert found.tolist() == [1.0, 1.0, 1.0, 4.0, 4.0]
 
 
 def test_rows_near_a_reversal() -> None:
