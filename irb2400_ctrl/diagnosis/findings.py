@@ -11,11 +11,10 @@ from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.diagnosis.body_estimates import body_estimates
 from irb2400_ctrl.diagnosis.comparison.acceptance import INFLATION
 from irb2400_ctrl.diagnosis.comparison.confidence import (
-    LITTLE_CAP,
     LOOKALIKE_CAP,
     alternatives,
     confidence,
-    says_little,
+    of_name,
 )
 from irb2400_ctrl.diagnosis.comparison.step import Step
 from irb2400_ctrl.diagnosis.curves import UNITS, binned_curve
@@ -63,14 +62,12 @@ def findings_of(
             instead = changed_instead(effect, torque, fitter)
             # how a transmission swings on unseen rows nobody knows
             gain = None if step.candidate.devices else _gain(step, share)
-            caps = [LOOKALIKE_CAP] if instead else []
-            if gain is not None and says_little(effect, gain, float(share.max())):
-                caps.append(LITTLE_CAP)
+            sure = of_name(step, effect, gain, float(share.max()))
             found.append(
                 Finding(
                     effect=effect,
                     standard_errors=_standard_errors(fit, place, step.candidate),
-                    confidence=min(confidence(step), *caps, 1.0),
+                    confidence=min(sure, LOOKALIKE_CAP) if instead else sure,
                     alternatives=tuple(dict.fromkeys((*alternatives(step), *instead))),
                     list=list_of(effect, change),
                     gain=step.gain,

@@ -7,7 +7,12 @@ from typing import Any
 
 import pytest
 
-from irb2400_ctrl.diagnosis.comparison.confidence import alternatives, confidence, says_little
+from irb2400_ctrl.diagnosis.comparison.confidence import (
+    alternatives,
+    confidence,
+    of_name,
+    says_little,
+)
 from irb2400_ctrl.diagnosis.comparison.step import Step
 from irb2400_ctrl.effects import LIBRARY
 
@@ -80,7 +85,11 @@ def test_a_name_that_says_little_is_none_to_be_sure_of(
     joint's error; a torque that a recorder filters was a delay of one joint (0.91) by 4 %."""
     model = LIBRARY[kind]
     joint = None if model.whole_arm else 3
-    assert says_little(model.of(joint, **model.example), gain, share) == little
+    effect = model.of(joint, **model.example)
+    assert says_little(effect, gain, share) == little
+    found = step(kind, 5000.0)
+    assert of_name(found, effect, gain, share) == (0.5 if little else confidence(found))
+    assert of_name(found, effect, None, share) == confidence(found) > 0.5
 
 
 def test_alternatives_are_near_or_of_the_same_group() -> None:

@@ -62,10 +62,13 @@ def test_friction_alone_may_be_further_off(known: bool) -> None:
     """Of an arm with friction a fifth off a load of 2.5 kg was lost: all numbers were said to be
     four times as far off, and impossible inertias of the last links took it in. What an
     identification knows of friction it knows together with the bodies."""
-    fitter: Any = SimpleNamespace(own=5, friction=0 if known else 2)
-    ways = [way.tolist() for way in Fitter.wider(fitter, (2.0, 4.0))]
+    fitter: Any = Fitter.__new__(Fitter)
+    fitter.own = 5
+    fitter.plain = "numbers"
+    fitter.robot = SimpleNamespace(n=1, identified="covariance" if known else None)
+    ways = [way.tolist() for way in fitter.wider((2.0, 4.0))]
     assert ways[:2] == [[2.0] * 5, [4.0] * 5]
-    assert ways[2:] == ([] if known else [[1.0, 1.0, 1.0, w, w] for w in (2.0, 4.0)])
+    assert ways[2:] == ([] if known else [[1.0, 1.0, w, w, w] for w in (2.0, 4.0)])
 
 
 def test_that_which_explains_most_is_taken(monkeypatch: pytest.MonkeyPatch) -> None:

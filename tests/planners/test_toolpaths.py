@@ -49,6 +49,13 @@ def test_a_joint_that_moves_by_rounding_alone_is_at_rest() -> None:
     assert (plan.reference.states(np.linspace(0, plan.duration, 200))[1][:, :3] == 0).all()
 
 
+def test_a_path_that_hits_the_wrist_exactly_needs_no_tolerance() -> None:
+    case = next(c for c in CASES if c["name"] == "exactly through the wrist")
+    path = build(MODEL, **case["build"])
+    plan = plan_path(ROBOT, path, free_tool_rotation=False, axis_tolerance=0.0)
+    assert [p["taken"] for p in plan.passages] == ["through"]
+
+
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case["name"])
 def test_named_toolpath(case: dict[str, Any]) -> None:
     if case["expect"] != "planned":

@@ -143,7 +143,7 @@ def can_be_taken_off(robot: Robot, effect: Effect) -> bool:
 def can_be_put_on(robot: Robot, effect: Effect) -> bool:
     """Whether a link may be so much heavier than its file says: three times as heavy it is another
     link, and what the torque shows is something else, as most of a load at the tool."""
-    if not isinstance(effect, LinkInertia) or effect.joint is None:
+    if not isinstance(effect, LinkInertia):
         return True
     stated = robot.links[effect.index].body.mass_kg
     return stated == 0.0 or effect.mass_kg < HEAVIER * stated

@@ -100,9 +100,6 @@ class Fitter:
         self.Z = Z
         self.noise = NoiseModel.of(motion, reversal, robot.usually_left, holds)
         self.own = Z.shape[2] if own is None else own
-        # an identification knows friction together with everything else
-        alone = own is not None and robot.identified is None
-        self.friction = 3 * robot.n if alone else 0  # of these, the last, those of friction alone
         self.plain = plain
         self.stated = of_changing_strength(robot.effects)
         self.widened = np.ones(self.own)  # times further off than stated that each may be
@@ -120,6 +117,13 @@ class Fitter:
         while sum(one.Z.nbytes for _, one in self._fits) > KEPT_BYTES and len(self._fits) > 1:
             self._fits.pop(0)
         return fit
+
+    @property
+    def friction(self) -> int:
+        """How many of the robot's numbers, the last, are those of friction alone; an identification
+        knows it together with the bodies."""
+        apart = self.plain is not None and self.robot.identified is None
+        return 3 * self.robot.n if apart else 0
 
     def wider(self, factors: Sequence[float]) -> list[Array]:
         """Ways in which the robot's numbers may be so many times further off: all, or those of

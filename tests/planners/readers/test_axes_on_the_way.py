@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.planners import read_program
 from irb2400_ctrl.planners.toolpath.readers.gcode.rotary import Rotary
 
@@ -57,12 +58,37 @@ def test_on_a_control_of_siemens_the_axis_goes_the_shortest_way(
     assert (len(axis) < 5) == upright
 
 
+def test_words_that_say_which_way_to_turn_are_no_even_turn(tmp_path: Path) -> None:
+    """From C350 DC=10 goes on by 20 degrees, ACN=10 back by 340: the shortest way is taken."""
+    text = "G710 G90\nTRAORI\nORIMKS\nG0 X0 Y0 Z5 A=30 C=0\nG1 X50 C=ACN(170) F600\nM30\n"
+    _, axis, _ = path(tmp_path, text, "a.mpf")
+    assert len(axis) == 2
+
+
 def test_inverse_time_is_of_the_whole_block(tmp_path: Path) -> None:
     """30 mm in half a minute."""
     text = "G21 G90\nG43.4 H1\nG0 X0. Y0. Z0. A30. C0.\nG93 G1 X30. C90. F2.\nM30\n"
     _, axis, feed = path(tmp_path, text)
     assert len(axis) > 40
     np.testing.assert_allclose(feed[np.isfinite(feed)], 0.001)
+
+
+@pytest.mark.parametrize("way", [0.0, 1e-9])
+def test_a_head_that_turns_on_the_spot_has_no_time_to_hold(way: float, tmp_path: Path) -> None:
+    text = (
+        f"G21 G90\nG43.4 H1\nG0 X0. Y0. Z0. A30. C0.\nG1 Z-1. F600.\nG93 G1 X{way:.9f} C90. F2.\n"
+    )
+    with pytest.raises(InputError, match="line 5: found a cut in inverse time"):
+        path(tmp_path, text)
+    _, axis, _ = path(tmp_path, text.replace("G93 ", ""))
+    np.testing.assert_allclose(axis[:, 2], np.cos(np.radians(30.0)), atol=1e-9)
+
+
+def test_from_where_a_vector_led_the_tool_it_goes_the_shortest_way(tmp_path: Path) -> None:
+    """The rotary axes stand otherwise than the file stated them last."""
+    text = "BEGIN PGM A MM\nM128\nL X0 Y0 Z5 A30 C0 R0 FMAX\nLN X5 TX0 TY0 TZ1 F60\nL X9 A30 C90\n"
+    _, axis, _ = path(tmp_path, f"{text}END PGM A MM\n", "a.h")
+    np.testing.assert_allclose(axis[:, 2], [np.cos(np.radians(30.0)), 1.0, axis[-1, 2]])
 
 
 @pytest.mark.parametrize(

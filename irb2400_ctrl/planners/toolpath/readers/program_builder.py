@@ -198,9 +198,7 @@ class ProgramBuilder:
         self._draft.carried += self._from_above
         length = 0.0 if self.here is None else float(np.linalg.norm(position - self.here))
         axis = self.axis if axis is None else axis
-        turn = float(np.linalg.norm(axis - self.axis))
-        if self._draft.position and not rapid and length < ON_THE_SPOT * turn:
-            self.note("assumed", self.feed.turning_alone(self.place))
+        self._turn(length, float(np.linalg.norm(axis - self.axis)), rapid)
         self.axis = axis
         self._append(position, self._speed(length, rapid), rapid)
 
@@ -239,6 +237,8 @@ class ProgramBuilder:
             np.linalg.norm(np.diff(np.vstack([self.here, places]), axis=0), axis=1).sum()
         )
         known = np.tile(self.axis, (len(places), 1)) if axes is None else axes
+        turns = np.diff(np.vstack([self.axis, known]), axis=0)
+        self._turn(length, float(np.linalg.norm(turns, axis=1).sum()), rapid)
         self._curve(places, known, self._speed(length, rapid), rapid)
 
     def finish(self, dialect: str, units: str, units_stated: bool) -> CamProgram:
@@ -310,6 +310,11 @@ class ProgramBuilder:
             self._feedless = True
             self.note("assumed", "a cut without a stated feed is not limited in speed")
         return speed
+
+    def _turn(self, length: float, turn: float, rapid: bool) -> None:
+        """What is said of a cut that turns the tool by an angle [rad] on hardly any way [m]."""
+        if self._draft.position and not rapid and length < ON_THE_SPOT * turn:
+            self.note("assumed", self.feed.turning_alone(self.place))
 
     def _curve(self, places: Array, axes: Array, speed: float, rapid: bool) -> None:
         for place, axis in zip(places, axes, strict=True):

@@ -138,12 +138,16 @@ class GcodeMotion:
             axis: at its end.
         """
         state = self._state
+        R = state.tilt[:3, :3]
         # in a tilted plane (G68.2) the control turns them; DC=, ACP= say which way
         turns = state.tool_centre and np.array_equal(state.plane_pose, np.eye(4))
         turns &= bool(set(ROTARY) & set(values)) and TO_ANGLE not in values
         if self._rotary is None or not (turns and state.evenly):
             return axis[None]
-        return np.asarray(self._rotary.way(before, state.rotary) @ state.tilt[:3, :3].T)
+        # a vector or a plane had led the tool elsewhere: how the axes stand is not known
+        if not np.allclose(R @ self._rotary.axis(before), self._builder.axis, atol=1e-6):
+            return axis[None]
+        return np.asarray(self._rotary.way(before, state.rotary) @ R.T)
 
     def _straight(self, values: dict[str, float], axes: Array, *, rapid: bool) -> None:
         state = self._state
@@ -167,9 +171,6 @@ class GcodeMotion:
             builder.note("assumed", "the first move comes from an unknown place: begun at its end")
         if builder.here is None or rapid or len(axes) == 1:
             builder.move(place, axis=axes[-1], rapid=rapid, height="Z" in values)
-        elif np.array_equal(place, builder.here):
-            for axis in axes:
-                builder.move(place, axis=axis, height="Z" in values)
         else:
             share = np.arange(1, len(axes) + 1)[:, None] / len(axes)
             builder.curve(builder.here + share * (place - builder.here), axes)

@@ -8,6 +8,7 @@ import re
 from collections.abc import Callable
 
 from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.planners.toolpath.readers.gcode.macros.expressions import EVERYWHERE
 
 _FN = re.compile(r"^FN\s*(\d+)\s*:\s*(.*)$")
 _SET = re.compile(r"^(Q[LR]?\d+)\s*=\s*(.*)$")
@@ -20,15 +21,9 @@ QUIET_FN = frozenset([14, 16, 20, 38])
 PLANE_ANGLES = frozenset(("Q120", "Q121", "Q122"))
 """where the control puts the angles of A, B, C of a tilted plane"""
 FUNCTIONS: dict[str, Callable[[float], float]] = {
-    "SIN": lambda x: math.sin(math.radians(x)),
-    "COS": lambda x: math.cos(math.radians(x)),
-    "TAN": lambda x: math.tan(math.radians(x)),
-    "ASIN": lambda x: math.degrees(math.asin(x)),
-    "ACOS": lambda x: math.degrees(math.acos(x)),
+    **EVERYWHERE,
     "ATAN": lambda x: math.degrees(math.atan(x)),
-    "SQRT": math.sqrt,
     "SQ": lambda x: x * x,
-    "ABS": abs,
     "INT": math.trunc,
     "FRAC": lambda x: x - math.trunc(x),
     "NEG": lambda x: -x,

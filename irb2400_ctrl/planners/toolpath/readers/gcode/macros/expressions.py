@@ -12,7 +12,7 @@ from irb2400_ctrl.errors import InputError
 _NUMBER = re.compile(r"\s*(\d+\.?\d*|\.\d+)")
 _NAME = re.compile(r"\s*([A-Z]+2?)\s*(?=\[)")
 _VARIABLE = re.compile(r"\s*(?:#\s*(\d+|<\w+>)|(R\d+)\b|([A-Z_]\w+)\b(?!\s*[\[<(]))")
-FUNCTIONS: dict[str, Callable[[float], float]] = {
+EVERYWHERE: dict[str, Callable[[float], float]] = {
     "SIN": lambda x: math.sin(math.radians(x)),
     "COS": lambda x: math.cos(math.radians(x)),
     "TAN": lambda x: math.tan(math.radians(x)),
@@ -20,6 +20,10 @@ FUNCTIONS: dict[str, Callable[[float], float]] = {
     "ACOS": lambda x: math.degrees(math.acos(x)),
     "SQRT": math.sqrt,
     "ABS": abs,
+}
+"""functions of all controls"""
+FUNCTIONS = {
+    **EVERYWHERE,
     # halves go away from zero
     "ROUND": lambda x: math.copysign(math.floor(abs(x) + 0.5), x),
     "FIX": math.trunc,
