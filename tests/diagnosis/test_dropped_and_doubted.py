@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from diagnosis.test_selection_steps import bare, explanation, fitter_of, of
+from diagnosis.test_selection_steps import RATHER_WIDER, bare, explanation, fitter_of, of
 
 from irb2400_ctrl.diagnosis.comparison.ground import named
 from irb2400_ctrl.diagnosis.comparison.selection import Selection
@@ -35,7 +35,7 @@ def test_what_a_dropped_explanation_had_stood_in_for_is_looked_for(
         return not (several and steps[place].candidate.kind == "every joint")
 
     monkeypatch.setattr(Selection, "next_step", next_step)
-    monkeypatch.setattr(Selection, "_rather_wider", lambda self, step, beside: None)
+    monkeypatch.setattr(RATHER_WIDER, lambda *given: None)
     monkeypatch.setattr(Selection, "_exchanged", lambda self, steps, gone=(): steps)
     acceptance = SimpleNamespace(
         bears_out=bears_out,
@@ -65,7 +65,7 @@ def test_what_was_chosen_beside_a_dropped_one_is_held_again(
         return None if offer is None or named(offer) in self.refused else Step(offer, 30.0, ())
 
     monkeypatch.setattr(Selection, "next_step", next_step)
-    monkeypatch.setattr(Selection, "_rather_wider", lambda self, step, beside: None)
+    monkeypatch.setattr(RATHER_WIDER, lambda *given: None)
     acceptance = SimpleNamespace(
         bears_out=lambda steps, fit, place, all_found=False: (
             not (all_found and steps[place].candidate.kind == "bend")

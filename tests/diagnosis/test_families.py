@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 from diagnosis.plain_motion import BASES, motion
 
-from irb2400_ctrl.diagnosis.comparison.scan import Scan, step_at
+from irb2400_ctrl.diagnosis.comparison.grid import promising, step_at
+from irb2400_ctrl.diagnosis.comparison.scan import Scan
 from irb2400_ctrl.diagnosis.estimation.candidate import Candidate
 from irb2400_ctrl.diagnosis.estimation.evidence import Problem, Score
 from irb2400_ctrl.diagnosis.preparation.contacts import Contacts
@@ -39,6 +40,48 @@ def test_the_distance_to_the_nearer_neighbour() -> None:
     assert step_at(GRID, "free_ratio", 0.0) == pytest.approx(0.9)
     assert step_at(GRID, "free_ratio", -4.0) == pytest.approx(4.0)
     assert step_at(GRID, "lever_ratio", 0.5) == pytest.approx(0.2)
+
+
+def test_the_best_places_then_other_peaks() -> None:
+    gains = np.array([8.0, 9.0, 7.0, 1.0, 2.0, 1.0, 5.0, 4.0, 4.5, 0.0, 1.0])
+    assert promising(gains) == [1, 0, 6, 8, 4]
+    assert promising(gains[:2]) == [1, 0]
+
+
+@pytest.mark.parametrize(
+    ("possible", "looked_at", "chosen"),
+    [
+        ({1, 6, 8}, [1, 0], 1),
+        # a resonance far too low that swings the wrong way said more than the true one of a wrist
+        # beside the friction of another joint: an elastic joint of 330 sigma was a delay
+        ({6, 8}, [1, 0, 6], 6),
+        ({4}, [1, 0, 6, 8, 4], 4),
+        ({3}, [1, 0, 6, 8, 4], None),
+    ],
+)
+def test_where_the_best_of_a_grid_is_not_possible_another_peak_is(
+    possible: set[int], looked_at: list[int], chosen: int | None
+) -> None:
+    gains = np.array([8.0, 9.0, 7.0, 1.0, 2.0, 1.0, 5.0, 4.0, 4.5, 0.0, 1.0])
+    grid = [{"stiffness_Nm_rad": float(k)} for k in range(len(gains))]
+    seen: list[int] = []
+
+    def tried(problem: Any, family: Any, point: dict[str, float], *form: Any) -> Any:
+        place = int(point["stiffness_Nm_rad"])
+        seen.append(place)
+        score = SimpleNamespace(gain=gains[place], coefficients=np.ones(1))
+        return SimpleNamespace(score=score, place=place, effects=("one",) * (place in possible))
+
+    made = scan(
+        laws={("elastic_joint", 6): (grid, ())},
+        _promising=lambda *asked: promising(gains),
+        member=lambda *asked: (None,),
+        forms=lambda *asked: (Nested(np.eye(1), ()),),
+        _in_form=tried,
+    )
+    found = made._library(None, "elastic_joint", 6)
+    assert seen == looked_at
+    assert [one.place for one in found] == ([] if chosen is None else [chosen])
 
 
 def test_a_law_of_several_numbers_is_searched_between_the_points_of_its_grid() -> None:

@@ -6,7 +6,7 @@ from types import SimpleNamespace
 from typing import Any
 
 import pytest
-from diagnosis.test_selection_steps import bare, explanation, fitter_of
+from diagnosis.test_selection_steps import RATHER_WIDER, bare, explanation, fitter_of
 
 from irb2400_ctrl.diagnosis.comparison.ground import named
 from irb2400_ctrl.diagnosis.comparison.selection import Selection
@@ -34,7 +34,7 @@ def test_the_first_of_two_goes_where_the_other_one_does_not_come(
 
     monkeypatch.setattr(Selection, "next_step", next_step)
     monkeypatch.setattr(Selection, "_exchanged", lambda self, steps, gone=(): steps)
-    monkeypatch.setattr(Selection, "_rather_wider", lambda self, step, beside: None)
+    monkeypatch.setattr(RATHER_WIDER, lambda *given: None)
     steps, fit = selection.run()
     assert [s.candidate.kind for s in steps] == kept
     assert fit.of == kept

@@ -6,7 +6,7 @@ from types import SimpleNamespace
 from typing import Any
 
 import pytest
-from diagnosis.test_selection_steps import bare, explanation, fitter_of
+from diagnosis.test_selection_steps import RATHER_WIDER, bare, explanation, fitter_of
 
 from irb2400_ctrl.diagnosis.comparison.ground import named
 from irb2400_ctrl.diagnosis.comparison.selection import Selection
@@ -38,6 +38,6 @@ def test_refused_laws_of_many_joints_leave_a_name_its_turn(
         return Step(left[0], 30.0, ()) if left else None
 
     monkeypatch.setattr(Selection, "next_step", next_step)
-    monkeypatch.setattr(Selection, "_rather_wider", lambda self, step, beside: None)
+    monkeypatch.setattr(RATHER_WIDER, lambda *given: None)
     steps, _ = selection.run()
     assert [s.candidate.kind for s in steps] == found

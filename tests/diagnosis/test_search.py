@@ -6,7 +6,7 @@ from types import SimpleNamespace
 from typing import Any
 
 import pytest
-from diagnosis.test_selection_steps import bare, beside, explanation, fitter_of, of
+from diagnosis.test_selection_steps import RATHER_WIDER, bare, beside, explanation, fitter_of, of
 
 from irb2400_ctrl.diagnosis.comparison.selection import Selection
 from irb2400_ctrl.diagnosis.comparison.step import Step
@@ -25,11 +25,12 @@ def searched(kinds: list[str | None], limit: int = 20) -> list[str]:
         acceptance=SimpleNamespace(bears_out=lambda *_: True),
         next_step=next_step,
         _goes_on=lambda steps: len(steps) < limit,
-        _rather_wider=lambda step, comparison: None,
         _clear=lambda steps, place: (steps, None),
         _exchanged=lambda steps: [s for s in steps if s.candidate.kind != "falls out"],
     )
-    return [s.candidate.kind for s in selection._searched([])[0]]
+    with pytest.MonkeyPatch.context() as patched:
+        patched.setattr(RATHER_WIDER, lambda *given: None)
+        return [s.candidate.kind for s in selection._searched([])[0]]
 
 
 def test_a_second_ripple_of_a_joint_does_not_end_the_search() -> None:

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from diagnosis.test_selection_steps import RATHER_WIDER
 
 from irb2400_ctrl.diagnosis.comparison.criteria import Criteria, of_one_moment
 from irb2400_ctrl.diagnosis.comparison.selection import Selection
@@ -42,7 +43,7 @@ def test_explanations_that_push_each_other_out_are_not_tried_for_ever(
     )
     monkeypatch.setattr(Selection, "_exchanged", lambda self, steps, gone=(): steps[-1:])
     monkeypatch.setattr(Selection, "_weighty", lambda self, steps, fit: (steps, fit))
-    monkeypatch.setattr(Selection, "_rather_wider", lambda self, step, beside: None)
+    monkeypatch.setattr(RATHER_WIDER, lambda *given: None)
     steps, fit = selection.run()
     assert [s.candidate.kind for s in steps] == ["one"]
     assert fit == 1
@@ -85,9 +86,7 @@ def test_numbers_further_off_than_stated_are_a_rival_and_all_is_judged_anew(
     monkeypatch.setattr(
         Selection, "_beside", lambda self, chosen, on=None: SimpleNamespace(comparison=None)
     )
-    monkeypatch.setattr(
-        Selection, "_rather_wider", lambda self, step, beside: None if widened else 2.0
-    )
+    monkeypatch.setattr(RATHER_WIDER, lambda *given: None if widened else 2.0)
     assert selection.run() == ([], 0)
     assert (widened, selection.refused) == ([2.0], set())
 

@@ -13,6 +13,9 @@ from irb2400_ctrl.diagnosis.comparison.criteria import Criteria
 from irb2400_ctrl.diagnosis.comparison.selection import Selection
 from irb2400_ctrl.diagnosis.comparison.step import Step
 
+RATHER_WIDER = "irb2400_ctrl.diagnosis.comparison.selection.rather_wider"
+"""for a test to put something in its place"""
+
 
 def bare(**given: Any) -> Any:
     """A selection that has only what a test gives it."""
@@ -305,7 +308,7 @@ def test_the_search_ends_after_as_many_steps_and_refusals_as_the_criteria_say(
             "_exchanged",
             lambda self, steps, gone=(): exchanged.append(len(steps)) or steps,
         )
-        monkeypatch.setattr(Selection, "_rather_wider", lambda self, step, beside: None)
+        monkeypatch.setattr(RATHER_WIDER, lambda *given: None)
         steps, fit = selection.run()
         # one explanation alone has nothing to be exchanged with
         assert exchanged == list(range(2, len(steps) + 1))

@@ -7,12 +7,11 @@ from typing import Any
 
 import numpy as np
 import pytest
-from diagnosis.test_selection_steps import bare
 
 from irb2400_ctrl.arrays import Array
-from irb2400_ctrl.diagnosis.comparison import selection as module
+from irb2400_ctrl.diagnosis.comparison import wider_numbers as module
 from irb2400_ctrl.diagnosis.comparison.criteria import Criteria
-from irb2400_ctrl.diagnosis.comparison.selection import Selection
+from irb2400_ctrl.diagnosis.comparison.wider_numbers import but_for_a_joint, rather_wider, ways_of
 from irb2400_ctrl.diagnosis.estimation.fit import Fitter
 
 
@@ -45,13 +44,12 @@ def test_wider_numbers_of_the_robot_must_say_more_than_two_best_steps(
         return SimpleNamespace(base=SimpleNamespace(log_evidence=gains[times]))
 
     monkeypatch.setattr(module, "Comparison", compared)
-    fitter = SimpleNamespace(own=2, noise=None)
-    fitter.wider = lambda factors: [np.full(2, factor) for factor in factors]
-    selection = bare(scan=None, fitter=fitter)
+    fitter: Any = SimpleNamespace(own=2, friction=0, noise=None)
     stated = SimpleNamespace(log_evidence=gains[1.0])
     beside: Any = SimpleNamespace(y=None, Z=np.ones((1, 1, 3)), base=stated)
     best: Any = None if step is None else SimpleNamespace(gain=step)
-    found = selection._rather_wider(best, beside)
+    scan: Any = None
+    found = rather_wider(scan, fitter, beside, best, Criteria())
     assert (found is None) == (wider is None)
     assert found is None or found.tolist() == [wider, wider]
     np.testing.assert_array_equal(beside.Z, np.ones((1, 1, 3)))
@@ -66,16 +64,27 @@ def test_friction_alone_may_be_further_off(known: bool) -> None:
     fitter.own = 5
     fitter.plain = "numbers"
     fitter.robot = SimpleNamespace(n=1, identified="covariance" if known else None)
-    ways = [way.tolist() for way in fitter.wider((2.0, 4.0))]
+    ways = [way.tolist() for way in ways_of(fitter, (2.0, 4.0))]
     assert ways[:2] == [[2.0] * 5, [4.0] * 5]
     assert ways[2:] == ([] if known else [[1.0, 1.0, w, w, w] for w in (2.0, 4.0)])
 
 
-def test_that_which_explains_most_is_taken(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Here the last two numbers are five standard deviations off, the first as stated."""
+@pytest.mark.parametrize(
+    ("z", "wider"),
+    [
+        # friction of three joints, dry, viscous and static, behind two numbers of bodies
+        ((0.5, -0.8, 5.0, -5.0, 4.0, 0.3, 0.2, 0.1, 0.4, -0.6, 0.3), "friction"),
+        ((5.0, -6.0, 0.4, -0.2, 0.3, 0.3, 0.2, 0.1, 0.4, -0.6, 0.3), "all"),
+        # one joint's alone is a name, or hides what has none
+        ((0.5, -0.8, 9.0, -0.2, 0.3, 0.3, 0.2, 0.1, 0.4, -0.6, 0.3), None),
+    ],
+)
+def test_that_which_explains_most_is_taken(
+    z: tuple[float, ...], wider: str | None, monkeypatch: pytest.MonkeyPatch
+) -> None:
     rng = np.random.default_rng(3)
-    Z = rng.normal(size=(400, 1, 5))
-    y = Z @ np.array([0.5, -0.8, 0.3, 5.0, -5.0]) + 0.1 * rng.normal(size=(400, 1))
+    Z = rng.normal(size=(400, 1, 11))
+    y = Z @ np.array(z) + 0.1 * rng.normal(size=(400, 1))
 
     class OfSomeBase:
         def __init__(self, scan: Any, noise: Any, y: Any, Z: Any) -> None:
@@ -85,15 +94,25 @@ def test_that_which_explains_most_is_taken(monkeypatch: pytest.MonkeyPatch) -> N
             nats = -0.5 * (size + y[:, 0] @ np.linalg.solve(covariance, y[:, 0]))
             self.base = SimpleNamespace(log_evidence=nats)
 
-    fitter = SimpleNamespace(own=5, friction=2, noise=None)
-    fitter.wider = lambda factors: Fitter.wider(fitter, factors)  # type: ignore[arg-type]
-    selection: Any = Selection.__new__(Selection)
-    selection.scan = None
-    selection.fitter = fitter
-    selection.criteria = Criteria(wider=(2.0, 4.0), gain=2.0)
+    fitter: Any = SimpleNamespace(own=11, friction=9, noise=None)
     monkeypatch.setattr(module, "Comparison", OfSomeBase)
     beside: Any = OfSomeBase(None, None, y, Z)
     beside.y = y
     beside.Z = Z
-    found = selection._rather_wider(None, beside)
-    assert found.tolist() == [1.0, 1.0, 1.0, 4.0, 4.0]
+    scan: Any = None
+    found = rather_wider(scan, fitter, beside, None, Criteria(wider=(2.0, 4.0), gain=2.0))
+    told = None if found is None else {1.0: "friction"}.get(found[0], "all")
+    assert told == wider
+    assert found is None or found[-1] > 1.0
+
+
+def test_without_the_friction_of_a_joint() -> None:
+    fitter: Any = SimpleNamespace(own=8, friction=6)
+    friction, bodies = np.array([1.0, 1.0, *[4.0] * 6]), np.full(8, 4.0)
+    assert [one.tolist() for one in but_for_a_joint(fitter, friction)] == [
+        [1.0, 1.0, 1.0, 4.0, 1.0, 4.0, 1.0, 4.0],
+        [1.0, 1.0, 4.0, 1.0, 4.0, 1.0, 4.0, 1.0],
+    ]
+    assert but_for_a_joint(fitter, bodies) == []
+    fitter.friction = 0
+    assert but_for_a_joint(fitter, friction) == []

@@ -9,6 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from irb2400_ctrl.arrays import Mask
+from irb2400_ctrl.diagnosis.comparison.grid import KEPT, promising, step_at
 from irb2400_ctrl.diagnosis.comparison.log_columns import LogColumns
 from irb2400_ctrl.diagnosis.estimation.candidate import (
     EVERY_JOINT,
@@ -37,8 +38,6 @@ EITHER = float(np.log(2.0))
 """[nats] for one of two forms that are as probable"""
 KEPT_NON_PARAMETRIC = 4
 """how many non-parametric laws of each joint are judged"""
-KEPT_GRID_POINTS = 2
-"""how many of the best nonlinear parameters of a family are scored with discrepancy"""
 
 
 class Scan(LogColumns):
@@ -103,7 +102,7 @@ class Scan(LogColumns):
             forms = self.forms(kind, always[0]) if apart else (None,)
             found += [
                 Point(kind, at, grid[place], form)
-                for place in self._promising(problem, kind, at, laws)
+                for place in self._promising(problem, kind, at, laws)[:KEPT]
                 for form in forms
             ]
         return found
@@ -111,7 +110,9 @@ class Scan(LogColumns):
     def _library(self, problem: Problem, kind: str, joint: int | None) -> list[Candidate]:
         grid, laws = self.laws[kind, joint]
         best: Candidate | None = None
-        for place in self._promising(problem, kind, joint, laws):
+        for looked, place in enumerate(self._promising(problem, kind, joint, laws)):
+            if looked >= KEPT and best is not None:
+                break
             nonlinear = grid[place]
             forms = self.forms(kind, self.member(kind, joint, nonlinear)[0])
             # what acts always would take the place of a load, and of more, in its whole form
@@ -279,7 +280,7 @@ class Scan(LogColumns):
             gains = law_gains(gram, right)
         else:
             gains = np.array([problem.score(law).gain for law in laws])
-        return [int(place) for place in np.argsort(-gains)[:KEPT_GRID_POINTS]]
+        return promising(gains)
 
     def _everywhere(self, problem: Problem, kind: str) -> Candidate | None:
         """One effect on every joint at once, with a size for each that moves."""
@@ -329,17 +330,6 @@ class Scan(LogColumns):
         score = replace(score, gain=score.gain - penalty)
         name = f"vibration of {frequency[place]:.2f} Hz"
         return Candidate("unexplained", joint + 1, name, ("time",), (), law, None, score, penalty)
-
-
-def step_at(grid: Sequence[dict[str, float]], key: str, value: float) -> float:
-    """Distance of a value of a grid to the nearer of its neighbours.
-
-    Args:
-        grid: points by name; key: one of the names.
-        value: of a point there, in the unit of its field.
-    """
-    others = {point[key] for point in grid} - {value}
-    return min(abs(other - value) for other in others)
 
 
 def everywhere(laws: Sequence[RegressorColumns], n: int) -> RegressorColumns:

@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from irb2400_ctrl.arrays import Array, Mask
+from irb2400_ctrl.arrays import Mask
 from irb2400_ctrl.diagnosis.comparison.acceptance import Acceptance
 from irb2400_ctrl.diagnosis.comparison.at_load_changes import AtLoadChanges
 from irb2400_ctrl.diagnosis.comparison.at_reversals import AtReversals
@@ -17,6 +17,7 @@ from irb2400_ctrl.diagnosis.comparison.criteria import Criteria, Threshold, of_o
 from irb2400_ctrl.diagnosis.comparison.ground import Ground, Name, named
 from irb2400_ctrl.diagnosis.comparison.scan import Scan
 from irb2400_ctrl.diagnosis.comparison.step import Step, of_the_whole_arm, without_its_other
+from irb2400_ctrl.diagnosis.comparison.wider_numbers import rather_wider
 from irb2400_ctrl.diagnosis.estimation.candidate import Candidate, simple
 from irb2400_ctrl.diagnosis.estimation.fit import Fit, Fitter
 from irb2400_ctrl.diagnosis.regressors.predict import effect_torque, predicted_torque
@@ -79,7 +80,8 @@ class Selection:
         tried: list[Counter[Name]] = []  # a joint may have two ripples
         while self._goes_on(steps):
             step = self.next_step(ground)
-            wider = self._rather_wider(step, ground.comparison)
+            beside = ground.comparison
+            wider = rather_wider(self.scan, self.fitter, beside, step, self.criteria)
             if wider is not None:
                 # beside numbers that may be further off everything is judged anew
                 self.fitter.widen(wider)
@@ -136,24 +138,6 @@ class Selection:
         """Number of names that were refused; the flexible laws of a joint, of which there is one,
         do not keep a name from its turn."""
         return sum(bool(name) for _, _, name in self.refused)
-
-    def _rather_wider(self, step: Step | None, beside: Comparison) -> Array | None:
-        """How many times further off than stated each number of the robot explains more than two
-        such steps as the best one, shape (own,); None where they do not."""
-        fitter = self.fitter
-
-        def evidence(wider: Array) -> float:
-            Z = beside.Z.copy()
-            Z[:, :, : fitter.own] *= wider
-            return Comparison(self.scan, fitter.noise, beside.y, Z).base.log_evidence
-
-        ways = fitter.wider(self.criteria.wider)
-        found = [evidence(wider) for wider in ways]
-        best = int(np.argmax(found))
-        # numbers further off take in several effects at once, of which the best alone says less
-        c = self.criteria
-        least = c.gain if step is None else (1.0 + c.two_at_once) * step.gain + c.gain_stated
-        return ways[best] if found[best] - beside.base.log_evidence > least else None
 
     def _borne_out(self, steps: list[Step], fit: Fit) -> tuple[list[Step], Fit]:
         """What the common fit of all still bears out."""

@@ -125,15 +125,6 @@ class Fitter:
         apart = self.plain is not None and self.robot.identified is None
         return 3 * self.robot.n if apart else 0
 
-    def wider(self, factors: Sequence[float]) -> list[Array]:
-        """Ways in which the robot's numbers may be so many times further off: all, or those of
-        friction alone, which wear and temperature change; of each number, shape (own,)."""
-        all_of_them = [np.full(self.own, factor) for factor in factors]
-        if not self.friction:
-            return all_of_them
-        bodies = np.arange(self.own) < self.own - self.friction
-        return [*all_of_them, *[np.where(bodies, 1.0, factor) for factor in factors]]
-
     def widen(self, factor: Array) -> None:
         """Let the robot's numbers be so many times further off than so far, shape (own,)."""
         self.Z = self.Z.copy()
