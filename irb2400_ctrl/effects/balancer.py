@@ -15,14 +15,19 @@ from irb2400_ctrl.effects.prior import Prior
 from irb2400_ctrl.effects.search import Search
 from irb2400_ctrl.effects.signals import Signals
 
+POLYTROPIC = 1.25
+"""exponent of nitrogen between slow and quick strokes (1 and 1.4)"""
+
 
 class Balancer(Effect):
-    """tau_j = T (1 - l0 / l(d)) sin d, d = q_j - q_0, l(d)^2 = 1 + rho^2 - 2 rho cos d.
+    """tau_j = T (1 - l0 / l(d)) (l_s / l(d))^n sin d, d = q_j - q_0, l(d)^2 = 1 + rho^2 - 2 rho cos
+    d.
 
     A spring between the base and a lever on the link: lever ratio rho = lever / base distance, all
     lengths in units of the base distance, l0 = free_ratio * (1 - rho). T = stiffness * lever * base
     distance; T > 0 pulls towards q_0, T < 0 pushes away. free_ratio < 0: a spring that is loaded at
-    its shortest, far below nothing a gas cylinder, of which the force hardly changes.
+    its shortest, far below nothing a gas cylinder, of which the force hardly changes; n > 0: of one
+    that compresses its gas, with the polytropic exponent n, towards its shortest l_s = 1 - rho.
     """
 
     sentence: ClassVar[str] = (
@@ -32,7 +37,9 @@ class Balancer(Effect):
     ambiguity: ClassVar[Ambiguity] = GAIN
     search: ClassVar[Search] = Search(between_grid=True)
     prior: ClassVar[Prior] = Prior(
-        fields={"lever_ratio": (0.4, 0.15), "free_ratio": (0.0, 1.0)}, leftover=("angle",)
+        fields={"lever_ratio": (0.4, 0.15), "free_ratio": (0.0, 1.0)},
+        leftover=("angle",),
+        fixed=("gas_exponent",),
     )
 
     kind: Literal["balancer"] = "balancer"
@@ -44,12 +51,17 @@ class Balancer(Effect):
     free_ratio: float = Field(
         default=0.0, ge=-10, le=1, description="free length over shortest length [-]"
     )
+    gas_exponent: float = Field(
+        default=0.0, ge=0, le=2, description="polytropic exponent n of a gas, 0: a spring [-]"
+    )
 
     def basis(self, s: Signals) -> ca.SX:
         d = s.q[self.index] - self.neutral_rad
         rho = self.lever_ratio
         length = ca.sqrt(1 + rho**2 - 2 * rho * ca.cos(d))
-        return self.on((1 - self.free_ratio * (1 - rho) / length) * ca.sin(d), s.q.numel())
+        shortest = (1 - rho) / length
+        force = (1 - self.free_ratio * shortest) * shortest**self.gas_exponent
+        return self.on(force * ca.sin(d), s.q.numel())
 
     def discrepancy_basis(self, s: Signals) -> ca.SX:
         d = s.q[self.index] - self.neutral_rad
@@ -70,10 +82,15 @@ class Balancer(Effect):
     @classmethod
     def grid(cls, joint: int | None) -> list[dict[str, float]]:
         return [
-            {"neutral_rad": math.radians(angle), "lever_ratio": lever, "free_ratio": free}
+            {
+                "neutral_rad": math.radians(angle),
+                "lever_ratio": lever,
+                "free_ratio": free,
+                "gas_exponent": gas,
+            }
             for angle in range(-180, 180, 10)
             for lever in (0.3, 0.5)
-            for free in (-4.0, 0.0, 0.9)
+            for free, gas in ((-4.0, 0.0), (0.0, 0.0), (0.9, 0.0), (-4.0, POLYTROPIC))
         ]
 
     @classmethod

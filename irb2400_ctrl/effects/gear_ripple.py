@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any, ClassVar, Literal, Self
 
 import casadi as ca
-from pydantic import Field
+from pydantic import Field, field_validator
 
 from irb2400_ctrl.effects.ambiguity import RIPPLE, Ambiguity
 from irb2400_ctrl.effects.base import Effect
@@ -18,6 +18,10 @@ LEAST_ORDER = 4.0
 """periods per turn below which what repeats is a gravity or spring law"""
 STEP = 0.5
 """of the orders that a diagnosis tries"""
+
+MULTIPLES = (2.0, 3.0, 0.5)
+"""of the order that a ripple also has: harmonics, and what comes once in two of it, as a wave
+generator's eccentricity does"""
 
 
 class GearRipple(Effect):
@@ -38,6 +42,13 @@ class GearRipple(Effect):
     order: float = Field(gt=0, description="periods per joint turn [-]")
     phase_rad: float = Field(default=0.0, description="phase at q = 0 [rad]")
 
+    @field_validator("discrepancy")
+    @classmethod
+    def _of_all_multiples(cls, given: tuple[float, ...]) -> tuple[float, ...]:
+        """Files of earlier versions have the harmonics alone."""
+        whole = 2 * len(MULTIPLES)
+        return (*given, 0.0, 0.0) if len(given) == whole - 2 else given
+
     def basis(self, s: Signals) -> ca.SX:
         angle = self.order * s.q[self.index]
         n = s.q.numel()
@@ -46,7 +57,7 @@ class GearRipple(Effect):
     def discrepancy_basis(self, s: Signals) -> ca.SX:
         angle = self.order * s.q[self.index]
         n = s.q.numel()
-        return ca.horzcat(*[self.on(f(k * angle), n) for k in (2, 3) for f in (ca.sin, ca.cos)])
+        return ca.horzcat(*[self.on(f(k * angle), n) for k in MULTIPLES for f in (ca.sin, ca.cos)])
 
     @classmethod
     def representative(cls, joint: int | None, inertia: float, duration: float) -> Self:

@@ -15,6 +15,7 @@ from irb2400_ctrl.diagnosis.comparison.scan import Scan
 from irb2400_ctrl.diagnosis.estimation.candidate import Candidate
 from irb2400_ctrl.diagnosis.estimation.evidence import Problem, discrepancy_shares
 from irb2400_ctrl.diagnosis.preparation.noise import NoiseModel, without
+from irb2400_ctrl.diagnosis.regressors.predict import effect_torque
 
 RELIEVED = 0.5
 """of z^T z: the bend of the base that a torque leaves it which it had hidden (0.13 to 0.40 beside
@@ -100,6 +101,16 @@ class Comparison:
     def energy(self) -> Array:
         """Mean square that the base leaves away from reversals, shape (n,) [Nm2]."""
         return self._energy(self.y - self.Z @ self.base.z)
+
+    def calm_rms(self, torque: Array) -> Array:
+        """Rms of a torque (rows, n) where it is known, away from reversals, shape (n,) [Nm]."""
+        return np.sqrt(self._energy(torque))
+
+    def sampled_rms(self, candidate: Candidate) -> Array:
+        """Rms of a candidate's effects sample by sample, not filtered, shape (n,) [Nm]."""
+        scan = self.scan
+        torques = [effect_torque(scan.bases, e, scan.motion) for e in candidate.effects]
+        return np.asarray(np.sqrt(np.mean(np.sum(torques, axis=0) ** 2, axis=0)))
 
     def compared(self, candidate: Candidate) -> Alternative:
         """The candidate under its own noise."""

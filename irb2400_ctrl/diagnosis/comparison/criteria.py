@@ -21,7 +21,8 @@ FRICTION: frozenset[BaseTerm] = frozenset(("coulomb", "viscous"))
 """terms of the base that wear and temperature change"""
 QUICK = 0.5
 """share of the least torque that is enough of a delay, whose steps where friction turns over are
-quicker than what is compared, and of the flaw of a transmission, whose swing is"""
+quicker than what is compared, and of the flaw of a transmission, whose swing is (all but a tenth of
+that of a stiff wrist: there its samples count)"""
 ONE_MOMENT = 1.0
 """[s] what begins nearer in time than this began for one reason"""
 
@@ -162,14 +163,17 @@ class Threshold:
             if alternative.by_law > c.by_law * candidate.score.gain
             else c.torque_beside_law
         )
+        shown = size
         if candidate.rattles:
             least = 0.0  # nine tenths of it are quicker than what is compared
         elif candidate.devices or (
             candidate.known and all(e.chain == "clock" for e in candidate.effects)
         ):
-            least *= QUICK
-        much = np.maximum(least * self.rms, self.usual)
-        return np.asarray((size > np.sqrt(c.energy * comparison.energy)) & (size > much))
+            shown = size / QUICK
+        if candidate.devices:
+            shown = np.maximum(shown, comparison.sampled_rms(candidate))
+        large = (size > np.sqrt(c.energy * comparison.energy)) & (size > self.usual)
+        return np.asarray(large & (shown > least * self.rms))
 
     def said_by_less(
         self, comparison: Comparison, alternative: Alternative, every: Sequence[Alternative]
@@ -320,12 +324,13 @@ class Threshold:
         """
         if any(e.search.repeats for e in known.candidate.effects):
             return False
-        law = np.sqrt(np.mean(known.candidate.torque(self.n) ** 2, axis=0))
         more = comparison.explained(non_parametric.candidate) - comparison.explained(
             known.candidate
         )
+        # where the torque is not known a flexible law says anything
+        says, law = map(comparison.calm_rms, (more, known.candidate.torque(self.n)))
         place = (non_parametric.candidate.joint or 1) - 1
-        return bool(np.sqrt(np.mean(more[:, place] ** 2)) < self.criteria.little * law[place])
+        return bool(says[place] < self.criteria.little * law[place])
 
 
 def _once_more(candidate: Candidate, earlier: Candidate) -> bool:

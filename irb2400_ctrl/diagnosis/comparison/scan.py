@@ -179,7 +179,9 @@ class Scan(LogColumns):
             return candidate
         grid, _ = self.laws[family]
         best = candidate
-        widths = {key: 0.5 * step_at(grid, key, best.effects[0].nonlinear[key]) for key in grid[0]}
+        start = best.effects[0]
+        moving = [key for key in grid[0] if key not in start.prior.fixed]
+        widths = {key: 0.5 * step_at(grid, key, start.nonlinear[key]) for key in moving}
         for _ in range(3):
             for key, width in widths.items():
                 there = best.effects[0].nonlinear

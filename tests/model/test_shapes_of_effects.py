@@ -1,0 +1,87 @@
+"""Laws against the thing that they stand for, written down another way."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import casadi as ca
+import numpy as np
+import pytest
+
+from irb2400_ctrl.effects import Effect
+from irb2400_ctrl.effects.balancer import POLYTROPIC, Balancer
+from irb2400_ctrl.effects.gear_ripple import GearRipple
+from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.robot import load_robot
+
+
+class Angles:
+    """Signals of which a law asks the joint angles."""
+
+    def __init__(self) -> None:
+        self.q = ca.SX.sym("q", 6)
+
+
+def columns(effect: Effect, which: str, angles: np.ndarray) -> np.ndarray:
+    """Columns of one joint's basis or discrepancy at its angles, shape (m, k)."""
+    signals: Any = Angles()
+    law = ca.Function("law", [signals.q], [getattr(effect, which)(signals)[effect.index, :]])
+    rows = [law(np.full(6, angle)).full().ravel() for angle in angles]
+    return np.array(rows)
+
+
+@pytest.mark.parametrize("free", [-8.0, -1.0, 0.0, 0.7])
+@pytest.mark.parametrize("gas", [0.0, POLYTROPIC])
+def test_a_balancer_is_the_slope_of_the_energy_in_its_cylinder(free: float, gas: float) -> None:
+    """U(l), the integral of (l - l0) (l_s / l)^n: tau = dU/dq; T = rho of a stiffness of one."""
+    rho = 0.4
+    neutral = 0.3
+    shortest = 1.0 - rho
+    lengths = np.linspace(shortest, 1.0 + rho, 40001)
+    force = (lengths - free * shortest) * (shortest / lengths) ** gas
+    steps = 0.5 * (force[1:] + force[:-1]) * np.diff(lengths)
+    energy = np.concatenate([[0.0], np.cumsum(steps)])
+    angles = np.linspace(-2.0, 2.5, 37)
+
+    def stored(q: np.ndarray) -> np.ndarray:
+        length = np.sqrt(1.0 + rho**2 - 2.0 * rho * np.cos(q - neutral))
+        return np.asarray(np.interp(length, lengths, energy))
+
+    slope = (stored(angles + 1e-3) - stored(angles - 1e-3)) / 2e-3
+    effect = Balancer(
+        joint=2,
+        torque_Nm=rho,
+        neutral_rad=neutral,
+        lever_ratio=rho,
+        free_ratio=free,
+        gas_exponent=gas,
+    )
+    said = columns(effect, "basis", angles)[:, 0] * effect.torque_Nm
+    np.testing.assert_allclose(said, slope, atol=2e-3 * np.abs(slope).max())
+
+
+def test_a_spring_has_no_gas() -> None:
+    spring = Balancer(joint=2, torque_Nm=1.0)
+    assert spring.gas_exponent == 0.0
+    assert {point["gas_exponent"] for point in Balancer.grid(2)} == {0.0, POLYTROPIC}
+    assert "gas_exponent" in spring.prior.fixed
+
+
+def test_a_ripple_may_have_what_comes_once_in_two_of_it() -> None:
+    """A wave generator makes two waves a turn, and its eccentricity one."""
+    ripple = GearRipple(joint=2, amplitude_Nm=1.0, order=20.0)
+    angles = np.linspace(0.0, 1.0, 11)
+    found = columns(ripple, "discrepancy_basis", angles)
+    waves = [f(k * 20.0 * angles) for k in (2.0, 3.0, 0.5) for f in (np.sin, np.cos)]
+    np.testing.assert_allclose(found, np.stack(waves, axis=1), atol=1e-12)
+
+
+def test_a_ripple_of_an_earlier_file_has_its_harmonics_alone() -> None:
+    before = {"kind": "gear_ripple", "joint": 2, "amplitude_Nm": 1.0, "order": 20.0}
+    ripple = GearRipple.model_validate({**before, "discrepancy": [0.1, 0.2, 0.3, 0.4]})
+    assert ripple.discrepancy == (0.1, 0.2, 0.3, 0.4, 0.0, 0.0)
+    assert GearRipple.model_validate(before).discrepancy == ()
+    load_robot("irb2400").with_effects(ripple)
+    short = GearRipple.model_validate({**before, "discrepancy": [0.1, 0.2]})
+    with pytest.raises(InputError, match="a discrepancy of 2 numbers, expected 6 or none"):
+        load_robot("irb2400").with_effects(short)
