@@ -143,7 +143,8 @@ def _searched(
     base = Z[:, :, : -turning.shape[2]]
     first = Fitter(robot, bases, motion, base, reversal, own, holds=resting.holds).fit([])
     motion = noisy_reversals_masked(motion, bases, first, reversal, contacts)
-    plain = PlainNumbers(prior, motion.recorded_rows(numbers_of_robot), motion.at_rows(motion.qd))
+    at_rows = motion.recorded_rows(numbers_of_robot)
+    plain = PlainNumbers(prior, at_rows, motion.at_rows(motion.qd), numbers_of_robot)
     fitter = Fitter(robot, bases, motion, Z, reversal, own, plain, resting.holds)
     scan = Scan(bases, motion, load, contacts, fitter.stated)
     selection = Selection(scan, fitter, criteria)

@@ -36,6 +36,9 @@ WIDTH = 0.1
 """relative half width of the search about the median step"""
 FINER = 6
 """lattices up to so many times finer than the median step are tried"""
+SINGLE = 0.1
+"""share of the steps that are one period of a finer lattice: where samples of an even clock are
+lost some neighbours stay; instants that are uneven themselves are near to any fine lattice"""
 BLURRED = 0.25
 """scatter of the stamps over the period above which their phase may be lost: one spread evenly
 over a whole period has none"""
@@ -95,6 +98,8 @@ def time_base(log: Log) -> TimeBase:
         rough = min(ratios)
         smooth = [one for one, ratio in zip(lattices, ratios, strict=True) if ratio < ALIKE * rough]
         instants, step = min(smooth, key=lambda one: float(np.std(stamps - one[0])))
+        if finer > 1 and np.mean(np.diff(instants) < 1.5 * step) < SINGLE:
+            continue
         # a finer lattice follows any stamps a little better: it must be worth it
         if best is None or rough < 0.8 * best[0]:
             best = rough, instants, step

@@ -85,7 +85,7 @@ def test_a_file_holds_no_friction_below_nothing_and_names_are_judged_beside_what
     columns = base_prior.columns(BASES.model, motion())
     z = np.random.default_rng(4).normal(scale=0.1, size=columns.shape[2])
     z[-3 * ROBOT.n :] = -60.0  # 240 % of the friction gone
-    plain = PlainNumbers(base_prior, columns, motion().qd)
+    plain = PlainNumbers(base_prior, columns, motion().qd, columns)
     change = predicted_torque(base_prior.updated(base_prior.deviations(z)), motion())
     change -= predicted_torque(ROBOT, motion())
     rows = motion().time < 3.0

@@ -92,6 +92,12 @@ def test_a_name_that_says_little_is_none_to_be_sure_of(
     assert of_name(found, effect, None, share) == confidence(found) > 0.5
 
 
+def test_a_delay_of_all_torques_is_no_detail() -> None:
+    """Nine of nine on two plants are there, two of 16 ms of them at 0.5."""
+    assert says_little(LIBRARY["time_delay"].of(3, delay_s=0.01), 4.0, 0.05)
+    assert not says_little(LIBRARY["time_delay"].of(None, delay_s=0.01), 4.0, 0.05)
+
+
 def test_alternatives_are_near_or_of_the_same_group() -> None:
     own, mate = group_mates()
     other = next(

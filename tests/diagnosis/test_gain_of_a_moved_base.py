@@ -15,7 +15,7 @@ from irb2400_ctrl.diagnosis.estimation.effect_parameters import parameters_of
 from irb2400_ctrl.diagnosis.estimation.evidence import Score
 from irb2400_ctrl.diagnosis.estimation.fit import Fitter
 from irb2400_ctrl.diagnosis.estimation.held_out import HeldOut
-from irb2400_ctrl.diagnosis.estimation.through_reading import shown_of, slope_of_shown
+from irb2400_ctrl.diagnosis.estimation.through_chain import shown_of, slope_of_shown
 from irb2400_ctrl.diagnosis.regressors.bases import RegressorColumns
 from irb2400_ctrl.diagnosis.regressors.predict import predicted_torque
 from irb2400_ctrl.effects import LIBRARY
@@ -85,6 +85,7 @@ def test_unseen_rows_are_told_with_the_gain_of_numbers_that_moved() -> None:
     chosen = [Candidate("torque_gain", 5, "", (), (effect,), nothing, None, score)]
     plain: Any = SimpleNamespace(
         torque=lambda b, rows: m.recorded_rows(column)[rows] @ b,
+        samples=column,
     )
     calm = np.zeros((m.rows, m.n), dtype=bool)
     fitter = Fitter(ROBOT, BASES, m, m.filtered(column), calm, 1, plain)

@@ -84,7 +84,9 @@ def says_little(effect: Effect, gain: float, share: float) -> bool:
         share: of that effect in the torque of the joint of which it makes most.
     """
     small = gain < LITTLE_GAIN and share < LITTLE_SHARE
-    return small and effect.ambiguity.like_details
+    # details are of one joint or of its load: no such thing makes all torques late alike
+    clock = effect.chain == "clock" and effect.joint is None
+    return small and effect.ambiguity.like_details and not clock
 
 
 def alternatives(step: Step) -> tuple[str, ...]:

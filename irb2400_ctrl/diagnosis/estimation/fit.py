@@ -25,7 +25,7 @@ from irb2400_ctrl.diagnosis.estimation.effect_parameters import (
 )
 from irb2400_ctrl.diagnosis.estimation.evidence import discrepancy_shares, discrepancy_unit
 from irb2400_ctrl.diagnosis.estimation.linearised import Linearised
-from irb2400_ctrl.diagnosis.estimation.through_reading import shown_of, slope_of_shown
+from irb2400_ctrl.diagnosis.estimation.through_chain import MovedBase, shown_of
 from irb2400_ctrl.diagnosis.preparation.noise import Noise, NoiseModel
 from irb2400_ctrl.diagnosis.preparation.plain_numbers import PlainNumbers
 from irb2400_ctrl.diagnosis.regressors.bases import Bases, RegressorColumns
@@ -149,8 +149,8 @@ class Fitter:
         noise = self.noise.white(state.y)
         for _ in range(ITERATIONS if effects else 0):
             noise = self.noise.coloured(state.left(noise))
-            if any(e.chain == "reading" for e in effects):
-                # of the base, which a gain multiplies as well
+            if any(e.chain in ("reading", "clock") for e in effects):
+                # of the base, which a gain multiplies and a clock delays as well
                 z = state.under(noise).mean[: state.base]
                 state = self._linearised(effects, G, z)
             found = state.under(noise)
@@ -245,11 +245,13 @@ class Fitter:
     def _linearised(
         self, effects: list[Effect], G: list[Array], z: Array | None = None
     ) -> Linearised:
-        """`z`: deviations of the base, where a gain multiplies these as well."""
+        """`z`: deviations of the base, where a gain multiplies or a clock delays these as well."""
         bare = [e.model_copy(update={"discrepancy": ()}) for e in effects]
         y = self._left_by(bare)
+        moved_base = None if z is None else self._moved(z)
+        if moved_base is not None:
+            y = y - moved_base.later(bare)
         blocks = [self.Z * shown_of(bare, self.motion)[:, :, None]]
-        moves = 0.0 if z is None else self.Z @ z
         parameters = []
         sizes = []
         shapes = []
@@ -258,7 +260,8 @@ class Fitter:
             size = max(float(np.sqrt(np.mean(torque**2))), 1e-9)
             for parameter in parameters_of(effect, place, self.stated):
                 slope = self.slope(effect, parameter)
-                slope += moves * slope_of_shown(effect, parameter, self.motion)
+                if moved_base is not None:
+                    slope += moved_base.slope(effect, parameter)
                 scale = 3.0 * size / max(float(np.sqrt(np.mean(slope**2))), 1e-12)
                 if parameter.prior is not None:
                     scale = min(scale, parameter.prior[1])
@@ -272,6 +275,12 @@ class Fitter:
         columns = np.concatenate([*blocks, *G], axis=2)
         base = self.Z.shape[2]
         return Linearised(y, columns, base, parameters, np.array(sizes), shapes)
+
+    def _moved(self, z: Array) -> MovedBase:
+        """The base where its deviations are."""
+        own = z[: self.own] * self.widened
+        samples = None if self.plain is None else self.plain.samples @ own
+        return MovedBase(self.motion, self.Z @ z, samples)
 
     def _left_by(self, effects: list[Effect]) -> Array:
         """What the robot with these effects leaves of the filtered torque, shape (rows, n) [Nm]."""

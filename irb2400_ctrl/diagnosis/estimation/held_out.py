@@ -11,7 +11,7 @@ import numpy.typing as npt
 from irb2400_ctrl.arrays import Array, Mask
 from irb2400_ctrl.diagnosis.estimation.candidate import Candidate
 from irb2400_ctrl.diagnosis.estimation.fit import Fit, Fitter
-from irb2400_ctrl.diagnosis.estimation.through_reading import shown_of, slope_of_shown
+from irb2400_ctrl.diagnosis.estimation.through_chain import delayed, shown_of, slope_of_shown
 from irb2400_ctrl.diagnosis.regressors.predict import effect_torque, predicted_torque
 from irb2400_ctrl.effects import Effect
 from irb2400_ctrl.effects.base import OPEN_END_S
@@ -196,12 +196,17 @@ class HeldOut:
         robot = fitter.robot.model_copy(update={"effects": (*fitter.robot.effects, *bare)})
         left = motion.at_rows(motion.tau - predicted_torque(robot, motion, fitter.bases))
         columns, places = self._of_names(fit, bare)
+        late = [e for e in bare if e.chain == "clock"]
         shown = shown_of(bare, motion)
         slopes = [slope_of_shown(bare[p.effect], p, motion) for p in fit.parameters]
         own = int(np.sum(fit.owner < 0)) + np.arange(len(slopes))
         for k, b in enumerate(found):
             rows = self.fold == k
-            numbers = plain.torque(b[: fitter.own] * fitter.widened, rows)
+            z = b[: fitter.own] * fitter.widened
+            numbers = plain.torque(z, rows)
+            if late:
+                later = delayed(late, plain.samples @ z, motion)
+                numbers += motion.recorded_rows(later)[rows]
             # a gain multiplies numbers that moved as well
             more = zip(slopes, b[own] * fit.scales, strict=True)
             growth = shown[rows] + sum(slope[rows] * value for slope, value in more)

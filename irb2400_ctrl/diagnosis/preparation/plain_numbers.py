@@ -18,11 +18,13 @@ class PlainNumbers:
     Args:
         prior: what is left open about them.
         columns: d tau / d z of its unit normals z, shape (rows, n, k) [Nm]; qd: (rows, n) [rad/s].
+        samples: d tau / d z at every sample, shape (m, n, k) [Nm].
     """
 
     prior: BasePrior | IdentifiedPrior
     columns: Array
     qd: Array
+    samples: Array
 
     def torque(self, z: Array, rows: Mask) -> Array:
         """Change of the torque of some rows by numbers z away, as a file can hold them [Nm]."""
