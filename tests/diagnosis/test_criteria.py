@@ -57,7 +57,7 @@ def comparison(**given: Any) -> Any:
         "added": lambda one: np.array([0.0, 5.0, 0.0]),
         "by_joint": lambda gain, torque: gain * np.array([0.25, 0.5, 0.25]),
         "explained": lambda one: one.torque(3),
-        "calm_rms": lambda torque: np.sqrt(np.mean(torque**2, axis=0)),
+        "known_rms": lambda torque: np.sqrt(np.mean(torque**2, axis=0)),
         "sampled_rms": lambda one: np.zeros(3),
         "leftover": lambda one: None,
         "relieves_base": lambda one: False,

@@ -94,7 +94,7 @@ def test_what_a_flexible_law_says_where_the_torque_is_not_known_does_not_count()
         def rms(torque: Any, rows: int = known) -> Any:
             return np.sqrt(np.mean(torque[:rows] ** 2, axis=0))
 
-        given = comparison(calm_rms=rms)
+        given = comparison(known_rms=rms)
         assert (threshold().best(given, [unnamed, name]) is name) == named
 
 

@@ -102,9 +102,11 @@ class Comparison:
         """Mean square that the base leaves away from reversals, shape (n,) [Nm2]."""
         return self._energy(self.y - self.Z @ self.base.z)
 
-    def calm_rms(self, torque: Array) -> Array:
-        """Rms of a torque (rows, n) where it is known, away from reversals, shape (n,) [Nm]."""
-        return np.sqrt(self._energy(torque))
+    def known_rms(self, torque: Array) -> Array:
+        """Rms of a torque (rows, n) where it is known, shape (n,) [Nm]."""
+        known = self.noise.known
+        size = np.sum(np.where(known, torque, 0.0) ** 2, axis=0)
+        return np.asarray(np.sqrt(size / np.maximum(known.sum(axis=0), 1)))
 
     def sampled_rms(self, candidate: Candidate) -> Array:
         """Rms of a candidate's effects sample by sample, not filtered, shape (n,) [Nm]."""

@@ -328,7 +328,7 @@ class Threshold:
             known.candidate
         )
         # where the torque is not known a flexible law says anything
-        says, law = map(comparison.calm_rms, (more, known.candidate.torque(self.n)))
+        says, law = map(comparison.known_rms, (more, known.candidate.torque(self.n)))
         place = (non_parametric.candidate.joint or 1) - 1
         return bool(says[place] < self.criteria.little * law[place])
 
