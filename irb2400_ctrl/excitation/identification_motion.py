@@ -134,7 +134,13 @@ class IdentificationMotion:
 
 
 def with_way(model: Model, course: Trajectory, tau: Array) -> Trajectory:
-    """With torque and the way of the TCP."""
+    """A course with torque and the way of the TCP.
+
+    Args:
+        model: of the arm.
+        course: without them.
+        tau: [Nm], shape (m, n).
+    """
     points = model.tcp_pose(course.q)[:, :3, 3]
     way = np.append(0.0, np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1)))
     return Trajectory(course.time, course.q, course.qd, course.qdd, tau, way)

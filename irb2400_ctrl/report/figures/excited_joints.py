@@ -6,7 +6,7 @@ import numpy as np
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.excitation.acceleration import AccelerationLimits
-from irb2400_ctrl.report.elements.page import Page
+from irb2400_ctrl.report.elements.page import Page, sentence
 from irb2400_ctrl.report.figures import plan_figures as draw
 from irb2400_ctrl.robot import Robot
 from irb2400_ctrl.trajectory import Trajectory
@@ -23,7 +23,7 @@ def add_joints(page: Page, robot: Robot, motion: Trajectory) -> None:
     limits = AccelerationLimits.of(robot)
     page.table("Largest values over the rows of the file", *joint_rows(robot, motion))
     if limits.assumed:
-        page.finding(limits.remark() + ".")
+        page.finding(sentence(limits.remark()))
     page.figures(draw.angle_figures(motion, robot), "Angles; ends of the range are dashed.", True)
     page.figures(draw.speed_figures(motion, robot), "Speed; limits are dashed.", True)
     bends = draw.acceleration_figures(motion, limits.values)
