@@ -64,11 +64,14 @@ def _for_identify(robot: str, seconds: float, joint: int | None, out: Path) -> S
     output_folder(out)
 
     from irb2400_ctrl.excitation import excite_identification
+    from irb2400_ctrl.report.pages.identification_motion_page import identification_motion_page
 
     with step("preparing") as progress:
         found = excite_identification(arm, seconds=seconds, progress=progress)
         progress("writing")
-        paths = found.write(out)
+        page = identification_motion_page(found, robot)
+        page.provenance(provenance(arm))
+        paths = [*found.write(out), page.write(out / "report.html")]
     print("\n".join(found.lines(robot)))
     print("written: " + ", ".join(str(path) for path in paths))
     return Summary(found.summary(), paths)

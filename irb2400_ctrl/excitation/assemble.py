@@ -73,7 +73,8 @@ class Workshop:
             tried = piece.scaled(factor)
             found = extent(self.model, *tried.states(duration, time))
             # a little room for what lies between the instants
-            if found.inside and found.torque < 0.97 * SHARE and found.speed < 0.95:
+            driven = max(found.speed, found.acceleration) < 0.95
+            if found.inside and found.torque < 0.97 * SHARE and driven:
                 return tried
         return None
 
@@ -144,7 +145,7 @@ class Workshop:
             course = stretched(course, 1.04 * course.duration)
         raise InfeasibleError(
             f"no slower motion is inside the limits: torque {100 * found.torque:.0f} % of its "
-            "limit, "
+            f"limit, acceleration {100 * found.acceleration:.0f} %, "
             f"joint box {np.degrees(found.box):.1f} deg, height {found.height:.2f} m, radius "
             f"{found.radius:.2f} m"
         )

@@ -76,6 +76,12 @@ class BaseInformation:
         """Number of columns."""
         return len(self._places)
 
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Of the columns; a number of a body stands for the sum in which the torque knows it."""
+        every = self._layout.names()
+        return tuple(every[place] for place in self._places)
+
     def gram(self, motion: PreparedLog) -> Array:
         """Information of a motion in the units above, (count, count)."""
         part = slice(None, None, EVERY)
@@ -93,6 +99,13 @@ class BaseInformation:
         """d of each direction of a motion, rising, and d over the largest; (count,) each."""
         d = np.sqrt(np.maximum(np.linalg.eigvalsh(gram), 0.0))
         return d, d / max(float(d[-1]), 1e-300)
+
+    def alone(self, gram: Array) -> Array:
+        """What a change of one number that matters stands out by, all others free, shape (count,)
+        [standard errors]."""
+        values, V = np.linalg.eigh(gram)
+        spread = (V**2 / np.maximum(values, 1e-300)).sum(axis=1)
+        return np.asarray(1.0 / np.sqrt(spread))
 
     def condition(self, gram: Array) -> float:
         """Condition number of the regressor, each column over its own length."""

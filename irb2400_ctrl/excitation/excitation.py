@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.excitation.acceleration import AccelerationLimits
 from irb2400_ctrl.excitation.alternatives import NOISE, SIZE
 from irb2400_ctrl.excitation.feasible import SHARE, Extent
 from irb2400_ctrl.excitation.groups import AmbiguityGroup
@@ -77,6 +78,8 @@ class Excitation:
             "pieces": list(self.flavours),
             "max_torque_ratio": self.extent.torque,
             "max_velocity_ratio": self.extent.speed,
+            "max_acceleration_ratio": self.extent.acceleration,
+            **AccelerationLimits.of(self.robot).summary(),
             "smallest_distance_from_joint_box_deg": math.degrees(self.extent.box),
             "smallest_height_m": self.extent.height,
             "smallest_radius_m": self.extent.radius,
@@ -115,11 +118,11 @@ class Excitation:
 
     def lines(self) -> list[str]:
         """For the terminal."""
+        assumed = AccelerationLimits.of(self.robot).remark()
         text = [
             f"{self.group.name}: {', '.join(self.group.kinds)}; {self.course.duration:.1f} s",
-            f"torque at most {100 * self.extent.torque:.0f} % of its limit, speed "
-            f"{100 * self.extent.speed:.0f} % "
-            f"({100 * SHARE:.0f} % of the torque is used)",
+            f"{self.extent.shares()} ({100 * SHARE:.0f} % of the torque is used)",
+            *([assumed] if assumed else []),
             f"{'separation in standard deviations':<58}{'standard':>10}{'planned':>10}",
         ]
         for row in self.table:

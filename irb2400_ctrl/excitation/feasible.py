@@ -1,5 +1,5 @@
-"""Limits of a motion, looked at densely: joint box, speed, torque, and room around the foot of the
-robot."""
+"""Limits of a motion, looked at densely: joint box, speed, acceleration, torque, and room around
+the foot of the robot."""
 
 from __future__ import annotations
 
@@ -8,12 +8,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.excitation.acceleration import AccelerationLimits
 from irb2400_ctrl.excitation.room import floor_and_column, height_and_radius
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.robot import Robot
 
 SHARE = 0.9
-"""of torque and speed limits that an excitation uses; the rest is the controller's"""
+"""of torque, speed and acceleration limits that an excitation uses; the rest is the controller's"""
 DENSE = 4
 """instants looked at per row of a trajectory"""
 
@@ -27,6 +28,7 @@ class Extent:
             negative outside [rad].
         height, radius: smallest of flange and TCP above the base plane and from axis 1 [m].
         floor, column: what these must be at least [m].
+        acceleration: largest share of the limits, assumed ones where the file states none.
     """
 
     torque: float
@@ -36,11 +38,20 @@ class Extent:
     radius: float
     floor: float
     column: float
+    acceleration: float
 
     @property
     def inside(self) -> bool:
         """Within everything."""
-        return self.torque <= SHARE and self.speed <= 1.0 and self.box >= 0 and self.clear
+        driven = self.torque <= SHARE and self.speed <= 1.0 and self.acceleration <= 1.0
+        return driven and self.box >= 0 and self.clear
+
+    def shares(self) -> str:
+        """Of the limits that a motor has, in words."""
+        return (
+            f"torque at most {100 * self.torque:.0f} % of its limit, speed "
+            f"{100 * self.speed:.0f} %, acceleration {100 * self.acceleration:.0f} %"
+        )
 
     def wrong(self) -> str:
         """What is not within, and what would help."""
@@ -52,6 +63,11 @@ class Extent:
             )
         if self.speed > 1.0:
             said.append(f"ask for {100 * self.speed:.0f} % of a speed limit: check these limits")
+        if self.acceleration > 1.0:
+            said.append(
+                f"ask for {100 * self.acceleration:.0f} % of an acceleration limit: check "
+                "acceleration_deg_s2"
+            )
         if self.box < 0.0:
             said.append(f"leave the joint box by {np.degrees(-self.box):.2g} deg: check the ranges")
         if self.height < self.floor:
@@ -97,18 +113,22 @@ def extent(model: Model, q: Array, qd: Array, qdd: Array) -> Extent:
         radius=float(radius.min()),
         floor=floor,
         column=column,
+        acceleration=AccelerationLimits.of(robot).ratio(qdd),
     )
 
 
 def with_share(robot: Robot) -> Robot:
-    """The robot with `SHARE` of its limits of torque and speed: what is planned for it leaves the
-    rest free."""
+    """The robot with `SHARE` of its limits of torque, speed and acceleration (assumed ones where it
+    states none): what is planned for it leaves the rest free."""
     joints = []
-    for joint, torque, speed in zip(robot.joints, robot.tau_max, robot.qd_max, strict=True):
+    bends = AccelerationLimits.of(robot).values
+    shared = zip(robot.joints, robot.tau_max, robot.qd_max, bends, strict=True)
+    for joint, torque, speed, bend in shared:
         limits = joint.limits.model_copy(
             update={
                 "torque_Nm": SHARE * torque,
                 "speed_deg_s": float(np.degrees(SHARE * speed)),
+                "acceleration_deg_s2": float(np.degrees(SHARE * bend)),
             }
         )
         joints.append(joint.model_copy(update={"limits": limits}))

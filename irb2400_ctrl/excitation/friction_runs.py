@@ -6,14 +6,16 @@ posture in which gravity asks little of it, as load bends friction too.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InfeasibleError
+from irb2400_ctrl.excitation.acceleration import AccelerationLimits
 from irb2400_ctrl.excitation.assemble import Workshop, resting
-from irb2400_ctrl.excitation.feasible import Extent, extent
+from irb2400_ctrl.excitation.feasible import SHARE, Extent, extent
 from irb2400_ctrl.planners.joint_move import joint_move
 from irb2400_ctrl.trajectory import Trajectory
 from irb2400_ctrl.trajectory.trajectory import RATE
@@ -27,7 +29,7 @@ LASTING = 1.0
 WAY = 0.010
 """[rad] of a run at least"""
 RAMP = 0.25
-"""[s] from rest to the speed of a run"""
+"""[s] from rest to the speed of a run, at least"""
 EASE = 0.4
 """[s] from one run to the next, at least"""
 SHARE_OF_SPEED = 0.45
@@ -90,11 +92,13 @@ def friction_runs(workshop: Workshop, seed: int = 0) -> FrictionRuns:
     rng = np.random.default_rng([seed, 74])
     parts: list[Array] = []
     speeds = []
+    bends = SHARE * AccelerationLimits.of(robot).values
     for j in range(robot.n):
+        bend = float(bends[j])
         fastest = min(0.5, SHARE_OF_SPEED * float(robot.qd_max[j]))
         own = few_speeds(SPEEDS, SLOWEST, fastest)
-        centre = _posture(workshop, j, _way(fastest), rng)
-        one = np.concatenate([there_and_back(speed) for speed in own])
+        centre = _posture(workshop, j, _way(fastest, bend), rng)
+        one = np.concatenate([there_and_back(speed, bend) for speed in own])
         states = np.repeat(one[:, :, None], robot.n, axis=2)
         states *= np.arange(robot.n) == j
         states[:, 0] += centre
@@ -113,14 +117,20 @@ def friction_runs(workshop: Workshop, seed: int = 0) -> FrictionRuns:
     return FrictionRuns(course, tau, found, tuple(speeds))
 
 
-def _way(speed: float) -> float:
-    return max(WAY, speed * LASTING) + speed * RAMP
+def _way(speed: float, bend: float) -> float:
+    return max(WAY, speed * LASTING) + speed * _ramp(speed, bend) / RATE
 
 
-def there_and_back(speed: float) -> Array:
-    """Angle, speed, acceleration about 0, through it forth and back at one speed, shape (m, 3)."""
+def _ramp(speed: float, bend: float) -> int:
+    """Rows from rest to a speed: a cubic's acceleration is at most 1.5 times the mean."""
+    return max(2, round(RAMP * RATE), math.ceil(1.5 * speed / bend * RATE))
+
+
+def there_and_back(speed: float, bend: float = np.inf) -> Array:
+    """Angle, speed, acceleration about 0, through it forth and back at one speed, shape (m, 3);
+    `bend`: largest acceleration [rad/s2]."""
     rows = round(max(LASTING, WAY / speed) * RATE)
-    ramp = max(2, round(RAMP * RATE))
+    ramp = _ramp(speed, bend)
     x = np.arange(ramp) / ramp
     up = np.column_stack([x * x * (3 - 2 * x), 6 * x * (1 - x) * RATE / ramp])
     level = np.tile([1.0, 0.0], (rows, 1))
@@ -132,14 +142,22 @@ def there_and_back(speed: float) -> Array:
     forth = np.column_stack([angle, shape])
     back = forth * -1.0
     start = np.zeros((1, 3))
-    return np.concatenate([_eased(start, forth), forth, back, _eased(back[-1:], start)])
+    return np.concatenate([_eased(start, forth, bend), forth, back, _eased(back[-1:], start, bend)])
 
 
-def _eased(here: Array, there: Array) -> Array:
-    """From rest at one angle to rest at another, quintic, without its last row."""
+def _eased(here: Array, there: Array, bend: float) -> Array:
+    """From rest at one angle to rest at another, quintic, without its last row.
+
+    Args:
+        here, there: rows of which the last and the first are met, shape (m, 3).
+        bend: largest acceleration [rad/s2].
+    """
     a = float(here[-1, 0])
     b = float(there[0, 0])
-    rows = round(max(EASE, 3.0 * abs(b - a)) * RATE)
+    way = abs(b - a)
+    # largest acceleration of a quintic: 10 / sqrt(3) of the way over the time squared
+    least = math.sqrt(10.0 / math.sqrt(3.0) * way / bend)
+    rows = max(round(max(EASE, 3.0 * way) * RATE), math.ceil(least * RATE))
     x = np.arange(rows) / rows
     seconds = rows / RATE
     q = a + (b - a) * x**3 * (10 - 15 * x + 6 * x**2)

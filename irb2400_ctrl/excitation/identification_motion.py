@@ -12,6 +12,7 @@ import numpy as np
 
 from irb2400_ctrl.arrays import Array, one_thread
 from irb2400_ctrl.errors import InfeasibleError
+from irb2400_ctrl.excitation.acceleration import AccelerationLimits
 from irb2400_ctrl.excitation.assemble import Workshop
 from irb2400_ctrl.excitation.base_information import BaseInformation
 from irb2400_ctrl.excitation.excite import check_duration
@@ -43,8 +44,9 @@ class IdentificationMotion:
         extent: how near to the limits the first goes.
         distances: of every direction of the arm's numbers, in standard errors: what a change of the
             size that matters is worth on the standard motion, and on this one (see
-            `base_information`); condition: number of the regressor, columns over their lengths, of
-            both; flavours: of its pieces.
+            `base_information`); numbers: their names, and alone: the same of each by itself;
+            condition: number of the regressor, columns over their lengths, of both; flavours: of
+            its pieces.
     """
 
     robot: Robot
@@ -53,6 +55,8 @@ class IdentificationMotion:
     extent: Extent
     runs: FrictionRuns
     distances: tuple[Array, Array]
+    numbers: tuple[str, ...]
+    alone: tuple[Array, Array]
     condition: tuple[float, float]
     flavours: tuple[str, ...]
 
@@ -72,6 +76,8 @@ class IdentificationMotion:
             },
             "max_torque_ratio": max(self.extent.torque, self.runs.extent.torque),
             "max_velocity_ratio": max(self.extent.speed, self.runs.extent.speed),
+            "max_acceleration_ratio": max(self.extent.acceleration, self.runs.extent.acceleration),
+            **AccelerationLimits.of(self.robot).summary(),
             "smallest_distance_from_joint_box_deg": float(np.degrees(self.extent.box)),
             "smallest_height_m": min(self.extent.height, self.runs.extent.height),
             "smallest_radius_m": min(self.extent.radius, self.runs.extent.radius),
@@ -81,17 +87,23 @@ class IdentificationMotion:
     def lines(self, robot: str = "irb2400") -> list[str]:
         """For the terminal; `robot` is the name or the file by which the arm was asked for."""
         before, after = self.condition
-        of = "" if robot == "irb2400" else f" --robot {shlex.quote(robot)}"
+        assumed = AccelerationLimits.of(self.robot).remark()
         return [
             f"motion of {self.course.duration:.1f} s: condition number {after:.0f} (standard "
             f"motion {before:.0f}); the number it shows least stands out "
             f"{self.distances[1][0]:.2g} standard errors ({self.distances[0][0]:.2g})",
-            f"torque at most {100 * self.extent.torque:.0f} % of its limit, speed "
-            f"{100 * self.extent.speed:.0f} %",
+            self.extent.shares(),
             f"slow runs of {self.runs.course.duration:.0f} s: {len(self.runs.speeds[0])} speeds of "
             f"every joint from {self.runs.speeds[0][0]:.3g} rad/s, both ways (eq. 74, thinned)",
-            f"record both, then: irb2400 identify MOTION_LOG RUNS_LOG{of} --out arm",
+            f"in them {self.runs.extent.shares()}",
+            *([assumed] if assumed else []),
+            f"record both, then: {self.next_command(robot)}",
         ]
+
+    def next_command(self, robot: str = "irb2400") -> str:
+        """What the logs of both motions are for; `robot` as for `lines`."""
+        of = "" if robot == "irb2400" else f" --robot {shlex.quote(robot)}"
+        return f"irb2400 identify MOTION_LOG RUNS_LOG{of} --out arm"
 
     def write(self, out: Path | str) -> list[Path]:
         """Write `trajectory.csv` and `friction_runs.csv`, their RAPID modules (six axes only) and
@@ -104,7 +116,7 @@ class IdentificationMotion:
             ("trajectory", self.course, self.tau, 0.2),
             ("friction_runs", self.runs.course, self.runs.tau, FINE_DEG),
         ):
-            paths.append(write_atomic(folder / f"{name}.csv", _with_way(model, course, tau).csv()))
+            paths.append(write_atomic(folder / f"{name}.csv", with_way(model, course, tau).csv()))
             if self.robot.n != 6:
                 continue
             options = RapidOptions(
@@ -121,8 +133,14 @@ class IdentificationMotion:
         return [*paths, write_json(folder / "excitation.json", self.summary())]
 
 
-def _with_way(model: Model, course: Trajectory, tau: Array) -> Trajectory:
-    """With torque and the way of the TCP."""
+def with_way(model: Model, course: Trajectory, tau: Array) -> Trajectory:
+    """A course with torque and the way of the TCP.
+
+    Args:
+        model: of the arm.
+        course: without them.
+        tau: [Nm], shape (m, n).
+    """
     points = model.tcp_pose(course.q)[:, :3, 3]
     way = np.append(0.0, np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1)))
     return Trajectory(course.time, course.q, course.qd, course.qdd, tau, way)
@@ -186,6 +204,8 @@ def _planned(
         extent=workshop.extent(course),
         runs=runs,
         distances=(before, after),
+        numbers=information.names,
+        alone=(information.alone(grams[0]), information.alone(grams[1])),
         condition=conditions,
         flavours=tuple(piece.flavour for piece in pieces),
     )

@@ -12,7 +12,7 @@ import numpy as np
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InfeasibleError
 from irb2400_ctrl.excitation.assemble import Workshop
-from irb2400_ctrl.excitation.segments import FLAVOURS, Piece, drawn, mutated
+from irb2400_ctrl.excitation.segments import FLAVOURS, Piece, allowed, drawn, mutated
 from irb2400_ctrl.given import whole
 from irb2400_ctrl.measurement.prepared_log import PreparedLog
 from irb2400_ctrl.trajectory import Trajectory
@@ -229,11 +229,8 @@ def standard_course(workshop: Workshop, seconds: float) -> Trajectory:
             np.zeros_like(weight),
             rng.uniform(0, 2 * np.pi, weight.shape),
         )
-        q, qd, _ = piece.states(seconds, np.linspace(0.0, seconds, 2000))
-        span = robot.q_max - robot.q_min
-        wide = np.abs(q - piece.centre).max(axis=0)
-        fast = np.abs(qd).max(axis=0)
-        factor = np.minimum(0.3 * span / wide, 0.45 * robot.qd_max / fast)
+        room = 0.3 * (robot.q_max - robot.q_min)
+        factor = allowed(robot, piece, seconds, room, 0.45, 2000)
         fitted = workshop.fitted(piece.scaled(factor), seconds)
         if fitted is not None:
             return workshop.course(fitted, seconds)

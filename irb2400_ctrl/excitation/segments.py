@@ -14,6 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.excitation.acceleration import AccelerationLimits
 from irb2400_ctrl.robot import Robot
 
 RISE = 0.8
@@ -24,6 +25,8 @@ INSET = 0.05
 
 CARRIER = 0.15
 """[Hz] of a swing that carries fast pieces"""
+USED = 0.9
+"""of the limits of speed and acceleration, at most"""
 
 
 @dataclass(frozen=True)
@@ -117,6 +120,29 @@ def _step(x: Array) -> tuple[Array, Array, Array]:
     return value, 140 * x**3 * (1 - x) ** 3, 420 * x**2 * (1 - x) ** 2 * (1 - 2 * x)
 
 
+def allowed(
+    robot: Robot, piece: Piece, duration: float, room: Array, share: float, instants: int = 400
+) -> Array:
+    """What the amplitudes of each joint may be multiplied by, shape (n,).
+
+    Args:
+        robot: whose limits of speed and acceleration are kept.
+        piece: as it is.
+        duration: [s].
+        room: about its centre [rad], shape (n,).
+        share: of the limits that is used.
+        instants: that are looked at.
+    """
+    q, qd, qdd = piece.states(duration, np.linspace(0.0, duration, instants))
+    bends = AccelerationLimits.of(robot).values
+    least = np.full((3, robot.n), np.inf)
+    for factor, values, most in zip(
+        least, (q - piece.centre, qd, qdd), (room, share * robot.qd_max, share * bends), strict=True
+    ):
+        factor[:] = most / np.maximum(np.abs(values).max(axis=0), 1e-12)
+    return np.asarray(least.min(axis=0))
+
+
 def drawn(
     rng: np.random.Generator,
     robot: Robot,
@@ -124,12 +150,12 @@ def drawn(
     duration: float,
     joint: int | None = None,
 ) -> Piece:
-    """A random piece that keeps the joint box and the speed limits; `joint` (from 1) always
-    moves.
+    """A random piece that keeps the joint box and the limits of speed and acceleration; `joint`
+    (from 1) always moves.
 
     Args:
         rng: of the draw.
-        robot: whose box and speeds it keeps.
+        robot: whose box and limits it keeps.
         flavour: what kind of piece.
         duration: [s].
         joint: from 1; None: whichever.
@@ -154,11 +180,7 @@ def drawn(
         chirp = np.vstack([np.zeros(n), chirp])
     phase = rng.uniform(0, 2 * np.pi, frequency.shape)
     piece = Piece(flavour.name, centre, amplitude, frequency, chirp, phase)
-    time = np.linspace(0.0, duration, 400)
-    q, qd, _ = piece.states(duration, time)
-    reach = np.abs(q - centre).max(axis=0)
-    speed = np.abs(qd).max(axis=0)
-    factor = rng.uniform(*flavour.size, n) * np.minimum(room / reach, 0.9 * robot.qd_max / speed)
+    factor = rng.uniform(*flavour.size, n) * allowed(robot, piece, duration, room, USED)
     moving = rng.uniform(size=n) < flavour.moving
     moving[rng.integers(n) if joint is None else joint - 1] = True
     return piece.scaled(factor * moving)
@@ -167,11 +189,11 @@ def drawn(
 def mutated(
     rng: np.random.Generator, robot: Robot, piece: Piece, duration: float, share: float = 0.25
 ) -> Piece:
-    """A neighbour of a piece: everything moved a little; keeps box and speed like `drawn`.
+    """A neighbour of a piece: everything moved a little; keeps box and limits like `drawn`.
 
     Args:
         rng: of the draw.
-        robot: whose box and speeds it keeps.
+        robot: whose box and limits it keeps.
         piece: to begin with.
         duration: [s].
         share: by which all is moved [-].
@@ -187,11 +209,5 @@ def mutated(
         frequency=piece.frequency * np.exp(share * rng.standard_normal(shape)),
         phase=piece.phase + share * rng.standard_normal(shape),
     )
-    q, qd, _ = new.states(duration, np.linspace(0.0, duration, 400))
     room = np.minimum(centre - robot.q_min, robot.q_max - centre) - INSET * span
-    reach = np.abs(q - centre).max(axis=0)
-    speed = np.abs(qd).max(axis=0)
-    allowed = np.minimum(
-        room / np.maximum(reach, 1e-12), 0.9 * robot.qd_max / np.maximum(speed, 1e-12)
-    )
-    return new.scaled(np.minimum(1.0, allowed))
+    return new.scaled(np.minimum(1.0, allowed(robot, new, duration, room, USED)))

@@ -43,6 +43,15 @@ class _Extent(Table):
     pieces: list[str] = Field(description="kinds of motion, in their order")
     max_torque_ratio: NotNegative = Field(description="over the robot's limit")
     max_velocity_ratio: NotNegative = Field(description="over the robot's limit")
+    max_acceleration_ratio: NotNegative | None = Field(
+        None, description="over the limits below; null in files from before they were kept"
+    )
+    acceleration_limits_deg_s2: list[Positive] | None = Field(
+        None, description="of each joint that the motion keeps"
+    )
+    acceleration_assumed_of_joints: list[int] | None = Field(
+        None, description="joints, from 1, of which the robot file states none"
+    )
     smallest_distance_from_joint_box_deg: float
     smallest_height_m: float = Field(description="of wrist and tip above the floor")
     smallest_radius_m: float = Field(description="of wrist and tip from axis 1")

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from irb2400_ctrl.report.main_job import MainJob, run_main_job
     from irb2400_ctrl.report.pages.diagnosis_page import diagnosis_page
     from irb2400_ctrl.report.pages.excitation_page import excitation_page
+    from irb2400_ctrl.report.pages.identification_motion_page import identification_motion_page
     from irb2400_ctrl.report.pages.identification_page import identification_page
     from irb2400_ctrl.report.pages.placement_page import placement_page, rail_page
     from irb2400_ctrl.report.pages.plan_page import plan_page
@@ -33,6 +34,7 @@ __all__ = [
     "Provenance",
     "diagnosis_page",
     "excitation_page",
+    "identification_motion_page",
     "identification_page",
     "placement_page",
     "plan_page",
@@ -55,6 +57,7 @@ __getattr__ = lazily(
         "Provenance": "elements.provenance",
         "diagnosis_page": "pages.diagnosis_page",
         "excitation_page": "pages.excitation_page",
+        "identification_motion_page": "pages.identification_motion_page",
         "identification_page": "pages.identification_page",
         "placement_page": "pages.placement_page",
         "plan_page": "pages.plan_page",

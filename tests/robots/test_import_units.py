@@ -107,15 +107,21 @@ def test_no_controller_is_made_of_an_arm_without_masses(tmp_path: Path) -> None:
 
 def test_what_is_wrong_with_slow_runs_is_said_alone() -> None:
     """Of too small a distance from axis 1 "86 %, expected at most 90 %" was printed."""
-    fine = Extent(0.86, 0.5, 0.1, 0.65, 0.3, 0.1, 0.2448)
+    fine = Extent(0.86, 0.5, 0.1, 0.65, 0.3, 0.1, 0.2448, 0.9)
     assert fine.inside
     assert not fine.wrong()
-    narrow = Extent(0.86, 0.5, 0.1, 0.65, 0.2355, 0.1, 0.2448)
+    narrow = Extent(0.86, 0.5, 0.1, 0.65, 0.2355, 0.1, 0.2448, 0.9)
     assert narrow.wrong().startswith("come to 0.235 m from axis 1, expected 0.245 m")
-    several = Extent(0.95, 1.1, -0.1, 0.05, 0.2355, 0.1, 0.2448).wrong()
-    for part in ("95 % of a torque limit", "110 % of a speed", "5.7 deg", "0.050 m above"):
+    several = Extent(0.95, 1.1, -0.1, 0.05, 0.2355, 0.1, 0.2448, 1.2).wrong()
+    for part in (
+        "95 % of a torque limit",
+        "110 % of a speed",
+        "120 % of an accel",
+        "5.7 deg",
+        "0.050 m above",
+    ):
         assert part in several
-    assert several.count("; they ") == 4
+    assert several.count("; they ") == 5
 
 
 def test_centres_of_mass_in_the_frame_of_the_base_are_said(tmp_path: Path) -> None:

@@ -44,6 +44,14 @@ def speed_figures(motion: Trajectory, robot: Robot) -> list[Figure]:
     return joint_plots(motion.time, lines, "speed {joint} [deg/s]", limits=(-limit, limit))
 
 
+def acceleration_figures(motion: Trajectory, limits: Array) -> list[Figure]:
+    """Acceleration of each joint; limits (n,) [rad/s2]."""
+    limit = np.degrees(limits)
+    lines = [Line(np.degrees(motion.qdd))]
+    label = "acceleration {joint} [deg/s²]"
+    return joint_plots(motion.time, lines, label, limits=(-limit, limit))
+
+
 def angle_figures(motion: Trajectory, robot: Robot) -> list[Figure]:
     """Angle of each joint and the ends of its range."""
     ends = (np.degrees(robot.q_min), np.degrees(robot.q_max))

@@ -11,6 +11,7 @@ from irb2400_ctrl.report.elements.arm_view import ArmView
 from irb2400_ctrl.report.elements.page import Page, of_limit
 from irb2400_ctrl.report.elements.plots import logarithmic, wide
 from irb2400_ctrl.report.figures import plan_figures as draw
+from irb2400_ctrl.report.figures.excited_joints import add_joints
 from irb2400_ctrl.typed import typed
 
 MOST = 24
@@ -43,12 +44,8 @@ def excitation_page(found: Excitation) -> Page:
         page.finding(f"{row.pair}: {row.reason}; a record of any length shows {row.ceiling:.1f}.")
     if found.inseparable or found.open:
         page.text(f"Measure besides: {found.group.measure_else}.")
-    page.heading("Angles and torque")
-    page.figures(
-        draw.angle_figures(motion, found.robot), "Angles; ends of the range are dashed.", True
-    )
-    limits = found.robot.tau_max
-    page.figures(draw.torque_figures(motion, limits), "Torque; limits are dashed.", True)
+    page.heading("Each joint")
+    add_joints(page, found.robot, motion)
     return page
 
 
@@ -92,5 +89,6 @@ def _facts(found: Excitation) -> list[tuple[str, str]]:
         ("duration", f"{found.course.duration:.1f} s"),
         ("torque, at most", of_limit(found.extent.torque)),
         ("speed, at most", of_limit(found.extent.speed)),
+        ("acceleration, at most", of_limit(found.extent.acceleration)),
         ("from the ends of the range", f"{np.degrees(found.extent.box):.0f} deg"),
     ]
