@@ -128,6 +128,14 @@ class GainsEntry(Table):
     known: list[bool] = Field(description="whether the load moved enough torque there")
 
 
+class LateEntry(Table):
+    """A log whose torques were recorded later than its angles."""
+
+    name: str = Field(description="of the log")
+    delay_s: float = Field(description="how much later; below zero: earlier")
+    standard_error_s: NotNegative
+
+
 class ModelsEntry(Table):
     """A log against the models."""
 
@@ -162,6 +170,7 @@ class IdentificationFile(Table):
     identifiability: list[VerdictEntry]
     friction_runs: list[FrictionRunsEntry] = Field(description="empty without such runs")
     force_sensor: ForceSensorEntry | None = Field(description="null without its columns")
+    late_torques: list[LateEntry] = Field(description="logs whose torques were taken earlier")
     gains: GainsEntry | None = Field(description="null without a weighed load")
     logs: list[IdentifiedLogEntry]
 

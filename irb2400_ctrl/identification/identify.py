@@ -31,6 +31,12 @@ from irb2400_ctrl.identification.gate import Verdict, verdicts
 from irb2400_ctrl.identification.held_out import held_out, slowly_left
 from irb2400_ctrl.identification.identification import Identification, LogResult
 from irb2400_ctrl.identification.identified_robot import fit_base, identified_robot
+from irb2400_ctrl.identification.late_torques import (
+    Late,
+    in_time,
+    late_torques,
+    open_by_delay,
+)
 from irb2400_ctrl.identification.moved import ALARM, Moved, moved_bodies
 from irb2400_ctrl.identification.understood_logs import borne_out, understood_logs
 from irb2400_ctrl.measurement import Log
@@ -110,13 +116,15 @@ def _identified(robot: Robot, seen: Sequence[Log], others: Sequence[Log]) -> Ide
     stated = robot.with_unknown_friction(understood.other_friction)
     base, kept = fit_base(with_load(with_curves(stated, curves), sensed))
     model = Model(base)
-    source, parts = _recorded(model, kept, seen)
+    late = _late(model, kept, seen)
+    source, parts = _recorded(model, kept, seen, late)
     parts = [
         replace(part, motion=with_run_samples(part.motion, some, curves))
         for part, some in zip(parts, runs, strict=True)
     ]
     found = fit(model, parts)
     covariance = block_covariance(found.sums, found.prior, found.numbers, found.samples)
+    covariance = covariance + open_by_delay(model, found, parts, late)
     fitted, said = identified_robot(kept, found.layout, found.theta)
     _agree(fitted, kept, parts[0], predicted(model, found.layout, parts[0], found.theta))
     moved = moved_bodies(base, found.prior, found.theta, covariance, found.numbers.kappa)
@@ -125,7 +133,9 @@ def _identified(robot: Robot, seen: Sequence[Log], others: Sequence[Log]) -> Ide
     results = _judged(model, robot, found, parts, slow)
     names = [log.name for log in seen]
     known = Identified.of(found.layout.names(), covariance, names, slowly_left(results))
-    results += _validated(model, robot, kept, found, _motions(others, source))
+    late_beside = _late(model, kept, others)
+    results += _validated(model, robot, kept, found, _motions(others, source, late_beside))
+    told_late = [one for one in (*late, *late_beside) if one is not None]
     return Identification(
         given=robot,
         robot=fitted.model_copy(update={"identified": known}),
@@ -142,6 +152,7 @@ def _identified(robot: Robot, seen: Sequence[Log], others: Sequence[Log]) -> Ide
             *understood.notes,
             *beside.notes,
             *borne_out(understood.doubts, results),
+            *(one.says() for one in told_late),
             *_notes(moved, found, np.sqrt(np.diag(covariance)), said),
             *_resting(told),
             *dict.fromkeys(remark for part in parts for remark in part.motion.remarks),
@@ -150,6 +161,7 @@ def _identified(robot: Robot, seen: Sequence[Log], others: Sequence[Log]) -> Ide
         ],
         friction=curves,
         sensed=sensed,
+        late=told_late,
     )
 
 
@@ -180,17 +192,35 @@ def _agree(fitted: Robot, kept: Robot, part: Recording, torque: Array) -> None:
         )
 
 
-def _motions(logs: Sequence[Log], source: Source) -> list[Recording]:
-    motions = [motion_of(log, source) for log in logs]
+def _motions(logs: Sequence[Log], source: Source, late: Sequence[Late | None]) -> list[Recording]:
+    """The logs prepared, late torques at their time."""
+    motions = [
+        motion_of(log, source) if one is None else in_time(motion_of(log, source), one.delay)
+        for log, one in zip(logs, late, strict=True)
+    ]
     return recordings(motions, [np.zeros_like(motion.tau) for motion in motions])
 
 
-def _recorded(model: Model, kept: Robot, logs: Sequence[Log]) -> tuple[Source, list[Recording]]:
-    """Where speeds are taken from, and the recordings with what the file knows beside the fit."""
+def _late(model: Model, kept: Robot, logs: Sequence[Log]) -> list[Late | None]:
+    """Of each log, how late its torques are."""
+    parts = given_torque(kept, _motions(logs, "angle", [None] * len(logs)))
+    return [late_torques(model, part) for part in parts]
+
+
+def _recorded(
+    model: Model, kept: Robot, logs: Sequence[Log], late: Sequence[Late | None]
+) -> tuple[Source, list[Recording]]:
+    """Where speeds are taken from, and the recordings with what the file knows beside the fit.
+
+    Args:
+        model: of the arm without effects; kept: the file with those that the fit leaves alone.
+        logs: of the arm.
+        late: of each, how late its torques are.
+    """
     sources: list[Source] = ["angle"]
     if any(log.qd is not None for log in logs):
         sources.append("speed")
-    tried = {source: given_torque(kept, _motions(logs, source)) for source in sources}
+    tried = {source: given_torque(kept, _motions(logs, source, late)) for source in sources}
     if len(tried) == 1:
         return "angle", tried["angle"]
     left = {}
