@@ -162,6 +162,7 @@ class IdentificationFile(Table):
         description="column that speed and acceleration were taken from"
     )
     notes: list[str] = Field(description="what a reader should know, in words")
+    of_bodies: list[str] = Field(description="whether the file's are borne out, in words")
     extras: list[ExtraEntry] = Field(description="effects that were fitted along")
     residual_Nm: list[NotNegative] = Field(description="rms torque that is left of each joint")
     samples_per_independent_one: float = Field(ge=1, description="samples that say the same thing")

@@ -76,6 +76,7 @@ class Identification(Displayed):
         notes: sentences for the reader.
         friction: of joints that ran at constant speed, forth and back (eqs. 70-74).
         gains: of the torque channels, from a known load; sensed: tool on a force sensor.
+        of_bodies: what the logs say of the file's bodies, empty where `notes` say which moved.
         late: of the logs whose torques were recorded later than their angles.
     """
 
@@ -95,6 +96,7 @@ class Identification(Displayed):
     gains: Gains | None = None
     sensed: SensedLoad | None = None
     late: Sequence[Late] = ()
+    of_bodies: Sequence[str] = ()
 
     @property
     def standard_errors(self) -> Array:
@@ -109,6 +111,7 @@ class Identification(Displayed):
             "robot": self.robot.name,
             "motion_from": self.source,
             "notes": list(self.notes),
+            "of_bodies": list(self.of_bodies),
             "extras": [{"kind": e.kind, "joint": e.joint} for e in self.layout.extras],
             "residual_Nm": [float(v) for v in self.sigma],
             "samples_per_independent_one": self.correlation,

@@ -27,7 +27,7 @@ from irb2400_ctrl.identification.friction_curve import (
     with_run_samples,
 )
 from irb2400_ctrl.identification.gains import known_load_gains
-from irb2400_ctrl.identification.gate import Verdict, verdicts
+from irb2400_ctrl.identification.gate import verdicts
 from irb2400_ctrl.identification.held_out import held_out, slowly_left
 from irb2400_ctrl.identification.identification import Identification, LogResult
 from irb2400_ctrl.identification.identified_robot import fit_base, identified_robot
@@ -37,7 +37,8 @@ from irb2400_ctrl.identification.late_torques import (
     late_torques,
     open_by_delay,
 )
-from irb2400_ctrl.identification.moved import ALARM, Moved, moved_bodies
+from irb2400_ctrl.identification.moved import moved_bodies
+from irb2400_ctrl.identification.notes import notes_of, of_the_bodies, resting
 from irb2400_ctrl.identification.understood_logs import borne_out, understood_logs
 from irb2400_ctrl.measurement import Log
 from irb2400_ctrl.model import Model
@@ -48,8 +49,6 @@ from irb2400_ctrl.typed import typed
 CLEARER = 0.03
 """recorded speed is used when it leaves so much less than differentiated angles [-]"""
 
-SURE = 2.0
-"""standard errors from nothing of what an arm is said to have"""
 SAME = 1e-9
 """of the largest torque: rounding between the fit and the robot that it becomes"""
 
@@ -135,6 +134,7 @@ def _identified(robot: Robot, seen: Sequence[Log], others: Sequence[Log]) -> Ide
     known = Identified.of(found.layout.names(), covariance, names, slowly_left(results))
     late_beside = _late(model, kept, others)
     results += _validated(model, robot, kept, found, _motions(others, source, late_beside))
+    doubts = borne_out(understood.doubts, results)
     told_late = [one for one in (*late, *late_beside) if one is not None]
     return Identification(
         given=robot,
@@ -151,16 +151,17 @@ def _identified(robot: Robot, seen: Sequence[Log], others: Sequence[Log]) -> Ide
         notes=[
             *understood.notes,
             *beside.notes,
-            *borne_out(understood.doubts, results),
+            *doubts,
             *(one.says() for one in told_late),
-            *_notes(moved, found, np.sqrt(np.diag(covariance)), said),
-            *_resting(told),
+            *notes_of(moved, found, np.sqrt(np.diag(covariance)), said),
+            *resting(told),
             *dict.fromkeys(remark for part in parts for remark in part.motion.remarks),
             *(curve.says() for curve in curves),
             *([] if sensed is None else sensed.says()),
         ],
         friction=curves,
         sensed=sensed,
+        of_bodies=of_the_bodies(moved, results, bool(doubts or said)),
         late=told_late,
     )
 
@@ -281,50 +282,3 @@ def _result(
         unseen=unseen,
         plain=plain,
     )
-
-
-def _resting(told: Sequence[Verdict]) -> list[str]:
-    """Joints that no log moves."""
-    return [
-        f"joint {v.name.rpartition('_')[2]} did not move: its friction, offset and rotor stay as "
-        f"the file has them; what would help: {v.motion}"
-        for v in told
-        if v.name.startswith("coulomb_") and v.grade == "unknown"
-    ]
-
-
-def _notes(moved: Sequence[Moved], found: Fit, errors: Array, said: str) -> list[str]:
-    """What the reader has to know first.
-
-    Args:
-        moved: of every link; found: the fit; errors: standard errors of its numbers, shape (p,).
-        said: of bodies that cannot exist, "" where all can.
-    """
-    notes = []
-    for one in moved:
-        if one.alarms:
-            name, sigmas = one.shown
-            notes.append(
-                f"the bodies of the file are not this arm's: link {one.link}, {name} went by "
-                f"{sigmas:+.1f} of the file's standard deviations (alarm at {ALARM:.0f})"
-            )
-    never = ", ".join(str(one.link) for one in moved if not one.could_be)
-    if never:
-        notes.append(
-            f"the file's bodies of link {never} cannot exist (irb2400 robot check); they were "
-            "moved to ones that can"
-        )
-    kinds = {
-        "coupling": "moves with the next joint (gears of a wrist)",
-        "far_coupling": "moves with the next joint but one (gears of a wrist)",
-        "balancer": "has a balancer that the file does not name",
-        "reading": "reads its torque without part of what accelerates it",
-        "stribeck": "has more friction at low speed than the file says",
-        "power": "has friction that does not grow in proportion to its speed",
-    }
-    for extra in found.layout.extras:
-        own = found.layout.extra(extra)
-        sure = (np.abs(found.theta[own]) > SURE * errors[own]).any()
-        doubt = "" if sure else ", by less than twice the standard error of it: perhaps not"
-        notes.append(f"joint {extra.joint} {kinds[extra.kind]}{doubt}")
-    return [*notes, said] if said else notes

@@ -100,7 +100,7 @@ def in_time(motion: PreparedLog, delay: float) -> PreparedLog:
     first, last = motion.time[[0, -1]]
     place = np.clip(np.searchsorted(motion.time, when), 0, len(when) - 1)
     # a gap of the record lies earlier in its torques
-    recorded = motion.known.any(axis=1)[place] & (when >= first) & (when <= last)
+    recorded = motion.known[place].any(axis=1) & (when >= first) & (when <= last)
     when = np.clip(when, first, last)
     tau, smooth = (
         np.asarray(CubicSpline(motion.time, signal)(when))
