@@ -39,6 +39,7 @@ from irb2400_ctrl.identification.late_torques import (
 )
 from irb2400_ctrl.identification.moved import moved_bodies
 from irb2400_ctrl.identification.notes import notes_of, of_the_bodies, resting
+from irb2400_ctrl.identification.odd_logs import odd_logs
 from irb2400_ctrl.identification.understood_logs import borne_out, understood_logs
 from irb2400_ctrl.measurement import Log
 from irb2400_ctrl.model import Model
@@ -135,6 +136,7 @@ def _identified(robot: Robot, seen: Sequence[Log], others: Sequence[Log]) -> Ide
     late_beside = _late(model, kept, others)
     results += _validated(model, robot, kept, found, _motions(others, source, late_beside))
     doubts = borne_out(understood.doubts, results)
+    odd = odd_logs(found, parts)
     told_late = [one for one in (*late, *late_beside) if one is not None]
     return Identification(
         given=robot,
@@ -152,6 +154,7 @@ def _identified(robot: Robot, seen: Sequence[Log], others: Sequence[Log]) -> Ide
             *understood.notes,
             *beside.notes,
             *doubts,
+            *odd,
             *(one.says() for one in told_late),
             *notes_of(moved, found, np.sqrt(np.diag(covariance)), said),
             *resting(told),
@@ -161,7 +164,7 @@ def _identified(robot: Robot, seen: Sequence[Log], others: Sequence[Log]) -> Ide
         ],
         friction=curves,
         sensed=sensed,
-        of_bodies=of_the_bodies(moved, results, bool(doubts or said)),
+        of_bodies=of_the_bodies(moved, results, bool(doubts or odd or said)),
         late=told_late,
     )
 
