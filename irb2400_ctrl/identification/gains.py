@@ -41,6 +41,10 @@ FELT = 0.03
 """scatter of the load's torque over that of the joint's, below which its inertia counts as much"""
 FEWEST = 100
 """samples of a joint that moves"""
+SHARED = 1.3
+"""factor beyond which gains of all joints come from one mistake"""
+FEWEST_ALIKE = 2
+"""joints that share it"""
 ROUNDS = 3
 EVERY = 10
 """of so many samples one carries the uncertainty of the unloaded arm"""
@@ -89,6 +93,14 @@ class Gains:
                     "move it where the load asks more of it"
                 )
             found.append(f"joint {j + 1} {said}")
+        some = np.abs(np.log(self.values[self.known]))
+        same = len(set(np.sign(np.log(self.values[self.known])))) == 1
+        if len(some) >= FEWEST_ALIKE and same and some.min() > np.log(SHARED):
+            middle = float(np.exp(np.median(np.log(self.values[self.known]))))
+            found.append(
+                f"all known gains are about {middle:.2g}: the torque channels are of another unit, "
+                "or the load that was stated is not the one on the arm (mass in kg, centre in mm)"
+            )
         return found
 
     def to_json(self) -> dict[str, Any]:
@@ -152,6 +164,26 @@ def known_load_gains(robot: Robot, logs: Sequence[Log], loaded: Sequence[Log], l
             "the axes of the flange, and is it on the arm in these logs?"
         )
     return gains
+
+
+def open_by_gain(found: Fit, gains: Gains | None) -> Array:
+    """Covariance of the numbers by that of the gains, sum_j s_j^2 J_j J_j^T, shape (p, p):
+
+        J_j = d theta / d gain_j = -A^-1 sum a_j^T tau_j / (gain_j sigma_j^2 f_j).
+
+    Args:
+        found: the fit to torques over the gains; gains: none leave nothing open.
+    """
+    layout = found.layout
+    if gains is None:
+        return np.zeros((layout.count, layout.count))
+    data = found.sums.summed()
+    weight = 1.0 / (found.numbers.sigma**2 * found.samples)
+    precision = found.prior.precision(found.numbers.kappa)
+    inverse = scaled_inverse(np.einsum("n,npq->pq", weight, data.H[0]) + precision)
+    spread = np.where(gains.known, gains.errors, 0.0) / gains.values
+    slopes = inverse @ (spread * weight * data.g[0].T)
+    return np.asarray(slopes @ slopes.T)
 
 
 def _alone(found: Fit, j: int) -> tuple[Array, Array]:

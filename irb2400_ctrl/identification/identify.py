@@ -26,7 +26,7 @@ from irb2400_ctrl.identification.friction_curve import (
     with_curves,
     with_run_samples,
 )
-from irb2400_ctrl.identification.gains import known_load_gains
+from irb2400_ctrl.identification.gains import Gains, known_load_gains, open_by_gain
 from irb2400_ctrl.identification.gate import verdicts
 from irb2400_ctrl.identification.held_out import held_out, slowly_left
 from irb2400_ctrl.identification.identification import Identification, LogResult
@@ -97,13 +97,21 @@ def identify(
         _check(robot, [*seen, *heavy])
         gains = known_load_gains(robot, seen, heavy, load)
         found = _identified(
-            robot, *([gains.applied(log) for log in some] for some in (seen, others))
+            robot, *([gains.applied(log) for log in some] for some in (seen, others)), gains
         )
         known = gains.in_robot(found.robot)
         return replace(found, robot=known, gains=gains, notes=[*found.notes, *gains.says()])
 
 
-def _identified(robot: Robot, seen: Sequence[Log], others: Sequence[Log]) -> Identification:
+def _identified(
+    robot: Robot, seen: Sequence[Log], others: Sequence[Log], gains: Gains | None = None
+) -> Identification:
+    """The fit.
+
+    Args:
+        robot: the file; seen: logs of the arm; others: that judge it.
+        gains: that the logs are already over.
+    """
     _check(robot, [*seen, *others])
     understood = understood_logs(robot, seen)
     beside = understood_logs(robot, others)
@@ -124,7 +132,7 @@ def _identified(robot: Robot, seen: Sequence[Log], others: Sequence[Log]) -> Ide
     ]
     found = fit(model, parts)
     covariance = block_covariance(found.sums, found.prior, found.numbers, found.samples)
-    covariance = covariance + open_by_delay(model, found, parts, late)
+    covariance = covariance + open_by_delay(model, found, parts, late) + open_by_gain(found, gains)
     fitted, said = identified_robot(kept, found.layout, found.theta)
     _agree(fitted, kept, parts[0], predicted(model, found.layout, parts[0], found.theta))
     moved = moved_bodies(base, found.prior, found.theta, covariance, found.numbers.kappa)
