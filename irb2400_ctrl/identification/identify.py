@@ -10,7 +10,7 @@ import numpy as np
 from irb2400_ctrl.arrays import Array, one_thread
 from irb2400_ctrl.diagnosis.regressors.predict import predicted_torque
 from irb2400_ctrl.errors import InputError
-from irb2400_ctrl.identification.constant_runs import runs_of
+from irb2400_ctrl.identification.constant_runs import Run, runs_of
 from irb2400_ctrl.identification.fitting.baseline import plain_least_squares
 from irb2400_ctrl.identification.fitting.columns import ColumnLayout
 from irb2400_ctrl.identification.fitting.covariance import block_covariance
@@ -19,8 +19,9 @@ from irb2400_ctrl.identification.fitting.fitted import Fit
 from irb2400_ctrl.identification.fitting.given import given_torque
 from irb2400_ctrl.identification.fitting.moments import Recording, predicted, recordings
 from irb2400_ctrl.identification.fitting.motion_source import Source, motion_of
-from irb2400_ctrl.identification.force_sensor import sensed_load, with_load
+from irb2400_ctrl.identification.force_sensor import SensedLoad, sensed_load, with_load
 from irb2400_ctrl.identification.friction_curve import (
+    FrictionCurve,
     friction_curves,
     log_of_runs,
     with_curves,
@@ -96,9 +97,8 @@ def identify(
             )
         _check(robot, [*seen, *heavy])
         gains = known_load_gains(robot, seen, heavy, load)
-        found = _identified(
-            robot, *([gains.applied(log) for log in some] for some in (seen, others)), gains
-        )
+        true, judges = ([gains.applied(log) for log in some] for some in (seen, others))
+        found = _identified(robot, true, judges, gains)
         known = gains.in_robot(found.robot)
         return replace(found, robot=known, gains=gains, notes=[*found.notes, *gains.says()])
 
@@ -116,7 +116,6 @@ def _identified(
     understood = understood_logs(robot, seen)
     beside = understood_logs(robot, others)
     seen = understood.logs
-    others = beside.logs
     runs = [runs_of(log) for log in seen]
     curves = friction_curves([run for some in runs for run in some])
     sensed = sensed_load(robot, seen)
@@ -126,25 +125,19 @@ def _identified(
     model = Model(base)
     late = _late(model, kept, seen)
     source, parts = _recorded(model, kept, seen, late)
-    parts = [
-        replace(part, motion=with_run_samples(part.motion, some, curves))
-        for part, some in zip(parts, runs, strict=True)
-    ]
+    parts = _with_runs(parts, runs, curves)
     found = fit(model, parts)
     covariance = block_covariance(found.sums, found.prior, found.numbers, found.samples)
-    covariance = covariance + open_by_delay(model, found, parts, late) + open_by_gain(found, gains)
+    covariance += open_by_delay(model, found, parts, late) + open_by_gain(found, gains)
     fitted, said = identified_robot(kept, found.layout, found.theta)
     _agree(fitted, kept, parts[0], predicted(model, found.layout, parts[0], found.theta))
     moved = moved_bodies(base, found.prior, found.theta, covariance, found.numbers.kappa)
     told = verdicts(model, found.layout, found.sums, found.numbers.sigma, found.samples)
-    slow = [log_of_runs(log, curves) for log in seen]
-    results = _judged(model, robot, found, parts, slow)
-    names = [log.name for log in seen]
-    known = Identified.of(found.layout.names(), covariance, names, slowly_left(results))
-    late_beside = _late(model, kept, others)
-    results += _validated(model, robot, kept, found, _motions(others, source, late_beside))
-    doubts = borne_out(understood.doubts, results)
-    odd = odd_logs(found, parts)
+    results = _judged(model, robot, found, parts, [log_of_runs(log, curves) for log in seen])
+    known = _known(found, covariance, results)
+    late_beside = _late(model, kept, beside.logs)
+    results += _validated(model, robot, kept, found, _motions(beside.logs, source, late_beside))
+    against = [*borne_out(understood.doubts, results), *odd_logs(found, parts)]
     told_late = [one for one in (*late, *late_beside) if one is not None]
     return Identification(
         given=robot,
@@ -161,20 +154,59 @@ def _identified(
         notes=[
             *understood.notes,
             *beside.notes,
-            *doubts,
-            *odd,
+            *against,
             *(one.says() for one in told_late),
             *notes_of(moved, found, np.sqrt(np.diag(covariance)), said),
             *resting(told),
-            *dict.fromkeys(remark for part in parts for remark in part.motion.remarks),
-            *(curve.says() for curve in curves),
-            *([] if sensed is None else sensed.says()),
+            *_recorded_how(parts, curves, sensed),
         ],
         friction=curves,
         sensed=sensed,
-        of_bodies=of_the_bodies(moved, results, bool(doubts or odd or said)),
+        of_bodies=of_the_bodies(moved, results, bool(against or said)),
         late=told_late,
     )
+
+
+def _with_runs(
+    parts: Sequence[Recording], runs: Sequence[Sequence[Run]], curves: Sequence[FrictionCurve]
+) -> list[Recording]:
+    """The recordings with the samples of their runs at constant speed.
+
+    Args:
+        parts: the recordings; runs: of each.
+        curves: friction from all of them.
+    """
+    return [
+        replace(part, motion=with_run_samples(part.motion, some, curves))
+        for part, some in zip(parts, runs, strict=True)
+    ]
+
+
+def _known(found: Fit, covariance: Array, results: Sequence[LogResult]) -> Identified:
+    """How surely the numbers are known, for the robot file.
+
+    Args:
+        found: the fit; covariance: of its numbers, (p, p).
+        results: of the logs that it is to.
+    """
+    names = [result.name for result in results]
+    return Identified.of(found.layout.names(), covariance, names, slowly_left(results))
+
+
+def _recorded_how(
+    parts: Sequence[Recording], curves: Sequence[FrictionCurve], sensed: SensedLoad | None
+) -> list[str]:
+    """Remarks on how the logs were recorded, and what their runs and their sensor tell.
+
+    Args:
+        parts: the recordings; curves: friction at constant speed.
+        sensed: tool on a force sensor.
+    """
+    return [
+        *dict.fromkeys(remark for part in parts for remark in part.motion.remarks),
+        *(curve.says() for curve in curves),
+        *([] if sensed is None else sensed.says()),
+    ]
 
 
 def _check(robot: Robot, logs: Sequence[Log]) -> None:
