@@ -48,6 +48,8 @@ from irb2400_ctrl.plausibility.channels import NO_MOTION
 from irb2400_ctrl.robot import Body, Identified, Robot
 from irb2400_ctrl.typed import typed
 
+Logs = Sequence[Log]
+
 CLEARER = 0.03
 """recorded speed is used when it leaves so much less than differentiated angles [-]"""
 
@@ -89,7 +91,7 @@ def identify(
             [some] if isinstance(some, Log) else list(some) for some in (logs, validation, loaded)
         )
         if load is None and not heavy:
-            return _identified(robot, seen, others)
+            return _identified(robot, seen, others, None)
         if load is None or not heavy:
             raise InputError(
                 "identify: found a load without logs of it, or logs without its mass and centre; "
@@ -103,9 +105,7 @@ def identify(
         return replace(found, robot=known, gains=gains, notes=[*found.notes, *gains.says()])
 
 
-def _identified(
-    robot: Robot, seen: Sequence[Log], others: Sequence[Log], gains: Gains | None = None
-) -> Identification:
+def _identified(robot: Robot, seen: Logs, others: Logs, gains: Gains | None) -> Identification:
     """The fit.
 
     Args:
