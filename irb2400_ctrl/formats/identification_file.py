@@ -128,6 +128,14 @@ class GainsEntry(Table):
     known: list[bool] = Field(description="whether the load moved enough torque there")
 
 
+class LateEntry(Table):
+    """A log whose torques were recorded later than its angles."""
+
+    name: str = Field(description="of the log")
+    delay_s: float = Field(description="how much later; below zero: earlier")
+    standard_error_s: NotNegative
+
+
 class ModelsEntry(Table):
     """A log against the models."""
 
@@ -154,6 +162,7 @@ class IdentificationFile(Table):
         description="column that speed and acceleration were taken from"
     )
     notes: list[str] = Field(description="what a reader should know, in words")
+    of_bodies: list[str] = Field(description="whether the file's are borne out, in words")
     extras: list[ExtraEntry] = Field(description="effects that were fitted along")
     residual_Nm: list[NotNegative] = Field(description="rms torque that is left of each joint")
     samples_per_independent_one: float = Field(ge=1, description="samples that say the same thing")
@@ -162,6 +171,7 @@ class IdentificationFile(Table):
     identifiability: list[VerdictEntry]
     friction_runs: list[FrictionRunsEntry] = Field(description="empty without such runs")
     force_sensor: ForceSensorEntry | None = Field(description="null without its columns")
+    late_torques: list[LateEntry] = Field(description="logs whose torques were taken earlier")
     gains: GainsEntry | None = Field(description="null without a weighed load")
     logs: list[IdentifiedLogEntry]
 

@@ -27,7 +27,9 @@ from irb2400_ctrl.identification.fitting.given import given_torque
 from irb2400_ctrl.identification.fitting.moments import Recording, predicted, recordings
 from irb2400_ctrl.identification.fitting.motion_source import motion_of
 from irb2400_ctrl.identification.identified_robot import fit_base
+from irb2400_ctrl.identification.late_torques import in_time, late_torques
 from irb2400_ctrl.measurement import Log
+from irb2400_ctrl.measurement.prepared_log import PreparedLog
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.robot import Body, Robot
 
@@ -39,6 +41,10 @@ FELT = 0.03
 """scatter of the load's torque over that of the joint's, below which its inertia counts as much"""
 FEWEST = 100
 """samples of a joint that moves"""
+SHARED = 1.3
+"""factor beyond which gains of all joints come from one mistake"""
+FEWEST_ALIKE = 2
+"""joints that share it"""
 ROUNDS = 3
 EVERY = 10
 """of so many samples one carries the uncertainty of the unloaded arm"""
@@ -87,6 +93,14 @@ class Gains:
                     "move it where the load asks more of it"
                 )
             found.append(f"joint {j + 1} {said}")
+        some = np.abs(np.log(self.values[self.known]))
+        same = len(set(np.sign(np.log(self.values[self.known])))) == 1
+        if len(some) >= FEWEST_ALIKE and same and some.min() > np.log(SHARED):
+            middle = float(np.exp(np.median(np.log(self.values[self.known]))))
+            found.append(
+                f"all known gains are about {middle:.2g}: the torque channels are of another unit, "
+                "or the load that was stated is not the one on the arm (mass in kg, centre in mm)"
+            )
         return found
 
     def to_json(self) -> dict[str, Any]:
@@ -114,13 +128,13 @@ def known_load_gains(robot: Robot, logs: Sequence[Log], loaded: Sequence[Log], l
         )
     base, kept = fit_base(robot)
     model = Model(base)
-    parts = _recordings(kept, logs)
+    parts = _recordings(model, kept, logs)
     found = fit(model, parts)
     phi = np.zeros((robot.n, 10))
     phi[-1] = load.parameters(robot.flange.matrix())
     values = np.ones(robot.n)
     errors = np.full(robot.n, np.inf)
-    others = _recordings(kept, loaded)
+    others = _recordings(model, kept, loaded)
     torque = [model.body_torque(p.motion.q, p.motion.qd, p.motion.qdd, phi.ravel()) for p in others]
     for j in range(robot.n):
         X = np.concatenate([_design(p, t, j) for p, t in zip(others, torque, strict=True)])
@@ -152,6 +166,26 @@ def known_load_gains(robot: Robot, logs: Sequence[Log], loaded: Sequence[Log], l
     return gains
 
 
+def open_by_gain(found: Fit, gains: Gains | None) -> Array:
+    """Covariance of the numbers by that of the gains, sum_j s_j^2 J_j J_j^T, shape (p, p):
+
+        J_j = d theta / d gain_j = -A^-1 sum a_j^T tau_j / (gain_j sigma_j^2 f_j).
+
+    Args:
+        found: the fit to torques over the gains; gains: none leave nothing open.
+    """
+    layout = found.layout
+    if gains is None:
+        return np.zeros((layout.count, layout.count))
+    data = found.sums.summed()
+    weight = 1.0 / (found.numbers.sigma**2 * found.samples)
+    precision = found.prior.precision(found.numbers.kappa)
+    inverse = scaled_inverse(np.einsum("n,npq->pq", weight, data.H[0]) + precision)
+    spread = np.where(gains.known, gains.errors, 0.0) / gains.values
+    slopes = inverse @ (spread * weight * data.g[0].T)
+    return np.asarray(slopes @ slopes.T)
+
+
 def _alone(found: Fit, j: int) -> tuple[Array, Array]:
     """Numbers of the unloaded arm as one joint alone reads them, and their covariance: channels
     with gains of their own agree on no bodies, so the file hardly counts."""
@@ -169,8 +203,15 @@ def _alone(found: Fit, j: int) -> tuple[Array, Array]:
     return theta, covariance
 
 
-def _recordings(kept: Robot, logs: Sequence[Log]) -> list[Recording]:
+def _recordings(model: Model, kept: Robot, logs: Sequence[Log]) -> list[Recording]:
+    """The logs prepared, late torques at their time."""
     motions = [motion_of(log, "angle") for log in logs]
+    late = [late_torques(model, part) for part in _given(kept, motions)]
+    pairs = zip(motions, late, strict=True)
+    return _given(kept, [m if one is None else in_time(m, one.delay) for m, one in pairs])
+
+
+def _given(kept: Robot, motions: Sequence[PreparedLog]) -> list[Recording]:
     return given_torque(kept, recordings(motions, [np.zeros_like(m.tau) for m in motions]))
 
 

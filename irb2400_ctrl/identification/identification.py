@@ -18,6 +18,7 @@ from irb2400_ctrl.identification.force_sensor import SensedLoad
 from irb2400_ctrl.identification.friction_curve import FrictionCurve
 from irb2400_ctrl.identification.gains import Gains
 from irb2400_ctrl.identification.gate import Verdict
+from irb2400_ctrl.identification.late_torques import Late
 from irb2400_ctrl.identification.moved import Moved
 from irb2400_ctrl.notebook import Displayed
 from irb2400_ctrl.robot import Robot, save_robot
@@ -75,6 +76,8 @@ class Identification(Displayed):
         notes: sentences for the reader.
         friction: of joints that ran at constant speed, forth and back (eqs. 70-74).
         gains: of the torque channels, from a known load; sensed: tool on a force sensor.
+        of_bodies: what the logs say of the file's bodies, empty where `notes` say which moved.
+        late: of the logs whose torques were recorded later than their angles.
     """
 
     given: Robot
@@ -92,6 +95,8 @@ class Identification(Displayed):
     friction: Sequence[FrictionCurve] = ()
     gains: Gains | None = None
     sensed: SensedLoad | None = None
+    late: Sequence[Late] = ()
+    of_bodies: Sequence[str] = ()
 
     @property
     def standard_errors(self) -> Array:
@@ -106,6 +111,7 @@ class Identification(Displayed):
             "robot": self.robot.name,
             "motion_from": self.source,
             "notes": list(self.notes),
+            "of_bodies": list(self.of_bodies),
             "extras": [{"kind": e.kind, "joint": e.joint} for e in self.layout.extras],
             "residual_Nm": [float(v) for v in self.sigma],
             "samples_per_independent_one": self.correlation,
@@ -117,6 +123,7 @@ class Identification(Displayed):
             "identifiability": [v.to_json() for v in self.verdicts],
             "friction_runs": [curve.to_json() for curve in self.friction],
             "force_sensor": None if self.sensed is None else self.sensed.to_json(),
+            "late_torques": [one.to_json() for one in self.late],
             "gains": None if self.gains is None else self.gains.to_json(),
             "logs": [log.to_json() for log in self.logs],
         }

@@ -10,7 +10,7 @@ import numpy as np
 from irb2400_ctrl.arrays import Array, one_thread
 from irb2400_ctrl.diagnosis.regressors.predict import predicted_torque
 from irb2400_ctrl.errors import InputError
-from irb2400_ctrl.identification.constant_runs import runs_of
+from irb2400_ctrl.identification.constant_runs import Run, runs_of
 from irb2400_ctrl.identification.fitting.baseline import plain_least_squares
 from irb2400_ctrl.identification.fitting.columns import ColumnLayout
 from irb2400_ctrl.identification.fitting.covariance import block_covariance
@@ -19,19 +19,28 @@ from irb2400_ctrl.identification.fitting.fitted import Fit
 from irb2400_ctrl.identification.fitting.given import given_torque
 from irb2400_ctrl.identification.fitting.moments import Recording, predicted, recordings
 from irb2400_ctrl.identification.fitting.motion_source import Source, motion_of
-from irb2400_ctrl.identification.force_sensor import sensed_load, with_load
+from irb2400_ctrl.identification.force_sensor import SensedLoad, sensed_load, with_load
 from irb2400_ctrl.identification.friction_curve import (
+    FrictionCurve,
     friction_curves,
     log_of_runs,
     with_curves,
     with_run_samples,
 )
-from irb2400_ctrl.identification.gains import known_load_gains
-from irb2400_ctrl.identification.gate import Verdict, verdicts
+from irb2400_ctrl.identification.gains import Gains, known_load_gains, open_by_gain
+from irb2400_ctrl.identification.gate import verdicts
 from irb2400_ctrl.identification.held_out import held_out, slowly_left
 from irb2400_ctrl.identification.identification import Identification, LogResult
 from irb2400_ctrl.identification.identified_robot import fit_base, identified_robot
-from irb2400_ctrl.identification.moved import ALARM, Moved, moved_bodies
+from irb2400_ctrl.identification.late_torques import (
+    Late,
+    in_time,
+    late_torques,
+    open_by_delay,
+)
+from irb2400_ctrl.identification.moved import moved_bodies
+from irb2400_ctrl.identification.notes import notes_of, of_the_bodies, resting
+from irb2400_ctrl.identification.odd_logs import odd_logs
 from irb2400_ctrl.identification.understood_logs import borne_out, understood_logs
 from irb2400_ctrl.measurement import Log
 from irb2400_ctrl.model import Model
@@ -39,11 +48,11 @@ from irb2400_ctrl.plausibility.channels import NO_MOTION
 from irb2400_ctrl.robot import Body, Identified, Robot
 from irb2400_ctrl.typed import typed
 
+Logs = Sequence[Log]
+
 CLEARER = 0.03
 """recorded speed is used when it leaves so much less than differentiated angles [-]"""
 
-SURE = 2.0
-"""standard errors from nothing of what an arm is said to have"""
 SAME = 1e-9
 """of the largest torque: rounding between the fit and the robot that it becomes"""
 
@@ -82,7 +91,7 @@ def identify(
             [some] if isinstance(some, Log) else list(some) for some in (logs, validation, loaded)
         )
         if load is None and not heavy:
-            return _identified(robot, seen, others)
+            return _identified(robot, seen, others, None)
         if load is None or not heavy:
             raise InputError(
                 "identify: found a load without logs of it, or logs without its mass and centre; "
@@ -90,19 +99,23 @@ def identify(
             )
         _check(robot, [*seen, *heavy])
         gains = known_load_gains(robot, seen, heavy, load)
-        found = _identified(
-            robot, *([gains.applied(log) for log in some] for some in (seen, others))
-        )
+        true, judges = ([gains.applied(log) for log in some] for some in (seen, others))
+        found = _identified(robot, true, judges, gains)
         known = gains.in_robot(found.robot)
         return replace(found, robot=known, gains=gains, notes=[*found.notes, *gains.says()])
 
 
-def _identified(robot: Robot, seen: Sequence[Log], others: Sequence[Log]) -> Identification:
+def _identified(robot: Robot, seen: Logs, others: Logs, gains: Gains | None) -> Identification:
+    """The fit.
+
+    Args:
+        robot: the file; seen: logs of the arm; others: that judge it.
+        gains: that the logs are already over.
+    """
     _check(robot, [*seen, *others])
     understood = understood_logs(robot, seen)
     beside = understood_logs(robot, others)
     seen = understood.logs
-    others = beside.logs
     runs = [runs_of(log) for log in seen]
     curves = friction_curves([run for some in runs for run in some])
     sensed = sensed_load(robot, seen)
@@ -110,22 +123,22 @@ def _identified(robot: Robot, seen: Sequence[Log], others: Sequence[Log]) -> Ide
     stated = robot.with_unknown_friction(understood.other_friction)
     base, kept = fit_base(with_load(with_curves(stated, curves), sensed))
     model = Model(base)
-    source, parts = _recorded(model, kept, seen)
-    parts = [
-        replace(part, motion=with_run_samples(part.motion, some, curves))
-        for part, some in zip(parts, runs, strict=True)
-    ]
+    late = _late(model, kept, seen)
+    source, parts = _recorded(model, kept, seen, late)
+    parts = _with_runs(parts, runs, curves)
     found = fit(model, parts)
     covariance = block_covariance(found.sums, found.prior, found.numbers, found.samples)
+    covariance += open_by_delay(model, found, parts, late) + open_by_gain(found, gains)
     fitted, said = identified_robot(kept, found.layout, found.theta)
     _agree(fitted, kept, parts[0], predicted(model, found.layout, parts[0], found.theta))
     moved = moved_bodies(base, found.prior, found.theta, covariance, found.numbers.kappa)
     told = verdicts(model, found.layout, found.sums, found.numbers.sigma, found.samples)
-    slow = [log_of_runs(log, curves) for log in seen]
-    results = _judged(model, robot, found, parts, slow)
-    names = [log.name for log in seen]
-    known = Identified.of(found.layout.names(), covariance, names, slowly_left(results))
-    results += _validated(model, robot, kept, found, _motions(others, source))
+    results = _judged(model, robot, found, parts, [log_of_runs(log, curves) for log in seen])
+    known = _known(found, covariance, results)
+    late_beside = _late(model, kept, beside.logs)
+    results += _validated(model, robot, kept, found, _motions(beside.logs, source, late_beside))
+    against = [*borne_out(understood.doubts, results), *odd_logs(found, parts)]
+    told_late = [one for one in (*late, *late_beside) if one is not None]
     return Identification(
         given=robot,
         robot=fitted.model_copy(update={"identified": known}),
@@ -141,16 +154,59 @@ def _identified(robot: Robot, seen: Sequence[Log], others: Sequence[Log]) -> Ide
         notes=[
             *understood.notes,
             *beside.notes,
-            *borne_out(understood.doubts, results),
-            *_notes(moved, found, np.sqrt(np.diag(covariance)), said),
-            *_resting(told),
-            *dict.fromkeys(remark for part in parts for remark in part.motion.remarks),
-            *(curve.says() for curve in curves),
-            *([] if sensed is None else sensed.says()),
+            *against,
+            *(one.says() for one in told_late),
+            *notes_of(moved, found, np.sqrt(np.diag(covariance)), said),
+            *resting(told),
+            *_recorded_how(parts, curves, sensed),
         ],
         friction=curves,
         sensed=sensed,
+        of_bodies=of_the_bodies(moved, results, bool(against or said)),
+        late=told_late,
     )
+
+
+def _with_runs(
+    parts: Sequence[Recording], runs: Sequence[Sequence[Run]], curves: Sequence[FrictionCurve]
+) -> list[Recording]:
+    """The recordings with the samples of their runs at constant speed.
+
+    Args:
+        parts: the recordings; runs: of each.
+        curves: friction from all of them.
+    """
+    return [
+        replace(part, motion=with_run_samples(part.motion, some, curves))
+        for part, some in zip(parts, runs, strict=True)
+    ]
+
+
+def _known(found: Fit, covariance: Array, results: Sequence[LogResult]) -> Identified:
+    """How surely the numbers are known, for the robot file.
+
+    Args:
+        found: the fit; covariance: of its numbers, (p, p).
+        results: of the logs that it is to.
+    """
+    names = [result.name for result in results]
+    return Identified.of(found.layout.names(), covariance, names, slowly_left(results))
+
+
+def _recorded_how(
+    parts: Sequence[Recording], curves: Sequence[FrictionCurve], sensed: SensedLoad | None
+) -> list[str]:
+    """Remarks on how the logs were recorded, and what their runs and their sensor tell.
+
+    Args:
+        parts: the recordings; curves: friction at constant speed.
+        sensed: tool on a force sensor.
+    """
+    return [
+        *dict.fromkeys(remark for part in parts for remark in part.motion.remarks),
+        *(curve.says() for curve in curves),
+        *([] if sensed is None else sensed.says()),
+    ]
 
 
 def _check(robot: Robot, logs: Sequence[Log]) -> None:
@@ -180,17 +236,35 @@ def _agree(fitted: Robot, kept: Robot, part: Recording, torque: Array) -> None:
         )
 
 
-def _motions(logs: Sequence[Log], source: Source) -> list[Recording]:
-    motions = [motion_of(log, source) for log in logs]
+def _motions(logs: Sequence[Log], source: Source, late: Sequence[Late | None]) -> list[Recording]:
+    """The logs prepared, late torques at their time."""
+    motions = [
+        motion_of(log, source) if one is None else in_time(motion_of(log, source), one.delay)
+        for log, one in zip(logs, late, strict=True)
+    ]
     return recordings(motions, [np.zeros_like(motion.tau) for motion in motions])
 
 
-def _recorded(model: Model, kept: Robot, logs: Sequence[Log]) -> tuple[Source, list[Recording]]:
-    """Where speeds are taken from, and the recordings with what the file knows beside the fit."""
+def _late(model: Model, kept: Robot, logs: Sequence[Log]) -> list[Late | None]:
+    """Of each log, how late its torques are."""
+    parts = given_torque(kept, _motions(logs, "angle", [None] * len(logs)))
+    return [late_torques(model, part) for part in parts]
+
+
+def _recorded(
+    model: Model, kept: Robot, logs: Sequence[Log], late: Sequence[Late | None]
+) -> tuple[Source, list[Recording]]:
+    """Where speeds are taken from, and the recordings with what the file knows beside the fit.
+
+    Args:
+        model: of the arm without effects; kept: the file with those that the fit leaves alone.
+        logs: of the arm.
+        late: of each, how late its torques are.
+    """
     sources: list[Source] = ["angle"]
     if any(log.qd is not None for log in logs):
         sources.append("speed")
-    tried = {source: given_torque(kept, _motions(logs, source)) for source in sources}
+    tried = {source: given_torque(kept, _motions(logs, source, late)) for source in sources}
     if len(tried) == 1:
         return "angle", tried["angle"]
     left = {}
@@ -251,50 +325,3 @@ def _result(
         unseen=unseen,
         plain=plain,
     )
-
-
-def _resting(told: Sequence[Verdict]) -> list[str]:
-    """Joints that no log moves."""
-    return [
-        f"joint {v.name.rpartition('_')[2]} did not move: its friction, offset and rotor stay as "
-        f"the file has them; what would help: {v.motion}"
-        for v in told
-        if v.name.startswith("coulomb_") and v.grade == "unknown"
-    ]
-
-
-def _notes(moved: Sequence[Moved], found: Fit, errors: Array, said: str) -> list[str]:
-    """What the reader has to know first.
-
-    Args:
-        moved: of every link; found: the fit; errors: standard errors of its numbers, shape (p,).
-        said: of bodies that cannot exist, "" where all can.
-    """
-    notes = []
-    for one in moved:
-        if one.alarms:
-            name, sigmas = one.shown
-            notes.append(
-                f"the bodies of the file are not this arm's: link {one.link}, {name} went by "
-                f"{sigmas:+.1f} of the file's standard deviations (alarm at {ALARM:.0f})"
-            )
-    never = ", ".join(str(one.link) for one in moved if not one.could_be)
-    if never:
-        notes.append(
-            f"the file's bodies of link {never} cannot exist (irb2400 robot check); they were "
-            "moved to ones that can"
-        )
-    kinds = {
-        "coupling": "moves with the next joint (gears of a wrist)",
-        "far_coupling": "moves with the next joint but one (gears of a wrist)",
-        "balancer": "has a balancer that the file does not name",
-        "reading": "reads its torque without part of what accelerates it",
-        "stribeck": "has more friction at low speed than the file says",
-        "power": "has friction that does not grow in proportion to its speed",
-    }
-    for extra in found.layout.extras:
-        own = found.layout.extra(extra)
-        sure = (np.abs(found.theta[own]) > SURE * errors[own]).any()
-        doubt = "" if sure else ", by less than twice the standard error of it: perhaps not"
-        notes.append(f"joint {extra.joint} {kinds[extra.kind]}{doubt}")
-    return [*notes, said] if said else notes

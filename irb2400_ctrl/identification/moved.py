@@ -19,6 +19,11 @@ from irb2400_ctrl.robot import Body, Robot
 
 ALARM = 4.0
 """standard deviations beyond which a body is not the file's"""
+FAR = 10.0
+"""standard deviations of a mass, and"""
+FACTOR = 5.0
+"""factor, beyond both of which it is absurd even where the logs leave it open: what the fit takes
+so far away has a cause, if not that body"""
 SHOWN = 2.0
 """of its own standard errors, that a number must be from the file's for the logs to show it: what
 they leave open may end anywhere, because all numbers of a body have to be possible together"""
@@ -67,9 +72,15 @@ class Moved:
         return (NAMES[place], float(clear[place])) if clear[place] else ("", 0.0)
 
     @property
+    def far(self) -> bool:
+        """Whether the mass went absurdly far, however well it is known."""
+        little, much = sorted((float(self.before[0]), float(self.after[0])))
+        return abs(float(self.sigmas[0])) > FAR and much > FACTOR * little
+
+    @property
     def alarms(self) -> bool:
         """Whether the body is not the file's; one that cannot exist has to move."""
-        return self.could_be and abs(self.shown[1]) > ALARM
+        return self.could_be and (self.far or abs(self.shown[1]) > ALARM)
 
 
 def moved_bodies(

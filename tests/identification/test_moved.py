@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from irb2400_ctrl.identification.moved import ALARM, NAMES, Moved, _errors
+from irb2400_ctrl.identification.notes import shared_factor
 from irb2400_ctrl.report.pages.identification_page import TWICE, moved_figure
 from irb2400_ctrl.robot import Body
 
@@ -58,3 +61,34 @@ def test_a_number_that_the_logs_leave_open_is_no_alarm() -> None:
     assert known.shown == ("com_x_m", 4.5)
     assert known.alarms
     assert not Moved(7, PHI, PHI, sigmas, 0.5 * open_ones, 2.2, False).alarms
+
+
+def test_a_mass_that_went_absurdly_far_is_an_alarm_however_open() -> None:
+    """With a clock wrong by 2 a link of 13 kg became one of 88 kg, ±49 standard deviations, and
+    nothing was said of it."""
+    after = 6.7 * PHI
+    one = Moved(2, PHI, after, np.full(10, 95.6), np.full(10, 49.0), 30.0, True)
+    assert one.shown == ("", 0.0)
+    assert one.far
+    assert one.alarms
+    assert shared_factor([replace(one, after=0.3 * PHI)] * 6) is None
+    heavier = Moved(2, PHI, 1.2 * PHI, np.full(10, 95.6), np.full(10, 49.0), 30.0, True)
+    assert not heavier.alarms
+
+
+@pytest.mark.parametrize(
+    ("ratios", "expected"),
+    [
+        ((1.0, 4.1, 3.9, 4.0, 6.0, 3.8), 4.0),
+        ((1.0, 0.26, 0.25, 0.24, 0.25, 0.1), 0.25),
+        ((1.0, 6.7, 0.14, 1.01, 1.0, 1.01), None),
+        ((1.1, 1.1, 1.2, 1.1, 1.1, 1.15), None),
+    ],
+)
+def test_a_factor_that_most_masses_share_is_found(
+    ratios: tuple[float, ...], expected: float | None
+) -> None:
+    far = np.full(10, 20.0)
+    moved = [Moved(k, PHI, r * PHI, far, 0.1 * far, 1.0, True) for k, r in enumerate(ratios, 1)]
+    found = shared_factor(moved)
+    assert found == expected if expected is None else found == pytest.approx(expected, rel=0.05)

@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 from irb2400_ctrl.identification.fitting.columns import ColumnLayout, Extra
-from irb2400_ctrl.identification.identify import _notes
+from irb2400_ctrl.identification.moved import Moved
+from irb2400_ctrl.identification.notes import notes_of, of_the_bodies
 from irb2400_ctrl.report.pages.identification_page import _facts, _grade, _sentence, _share
 
 
@@ -26,7 +27,7 @@ def test_what_is_within_its_own_error_is_not_said_as_a_fact(
     theta[layout.extra(layout.extras[0])] = value
     errors[layout.extra(layout.extras[0])] = error
     found: Any = SimpleNamespace(layout=layout, theta=theta)
-    (note,) = _notes((), found, errors, "")
+    (note,) = notes_of((), found, errors, "")
     assert note.startswith("joint 2 reads its torque without part of what accelerates it")
     assert note.endswith("perhaps not") != sure
 
@@ -72,3 +73,43 @@ def test_a_log_that_no_fit_has_seen_is_what_the_first_sentence_judges_by() -> No
     assert _grade(result) == "good"
     alone: Any = SimpleNamespace(logs=[short])
     assert _grade(alone) == "note"
+
+
+def judged(unseen: list[float], plain: list[float]) -> Any:
+    shares = {"unseen": unseen, "plain": plain}
+    quiet = np.random.default_rng(0).standard_normal((400, 2))
+    return SimpleNamespace(
+        name="one.csv",
+        time=0.01 * np.arange(400),
+        q=np.cumsum(quiet, axis=0),
+        measured=10.0 + quiet,
+        unseen=np.full((400, 2), 10.0),
+        known=np.ones((400, 2), dtype=bool),
+        error=lambda which: SimpleNamespace(rmse_over_mean_percent=np.array(shares[which])),
+    )
+
+
+def body(sigmas: float) -> Moved:
+    return Moved(1, np.ones(10), np.ones(10), np.full(10, sigmas), np.full(10, 0.1), 1.0, True)
+
+
+@pytest.mark.parametrize(
+    ("unseen", "plain", "said"),
+    [
+        ([4.0, 3.1], [4.0, 3.0], "the bodies of the file are this arm's"),
+        ([13.1, 7.1], [5.5, 3.3], "of joint 1 13.1 % of its torque is left unseen"),
+        ([7.5, 3.0], [5.5, 3.0], "nothing in these logs contradicts the bodies of the file"),
+        ([40.0, 3.0], [40.0, 3.0], "nothing in these logs contradicts the bodies of the file"),
+    ],
+)
+def test_the_files_bodies_are_confirmed_only_where_that_is_borne_out(
+    unseen: list[float], plain: list[float], said: str
+) -> None:
+    """Of a log with a clock wrong by 4 "the bodies of the file are this arm's" was printed."""
+    (found,) = of_the_bodies([body(1.0)], [judged(unseen, plain)], False)
+    assert said in found
+
+
+def test_nothing_is_confirmed_beside_what_speaks_against_it() -> None:
+    assert not of_the_bodies([body(5.0)], [judged([4.0, 3.0], [4.0, 3.0])], False)
+    assert not of_the_bodies([body(1.0)], [judged([4.0, 3.0], [4.0, 3.0])], True)

@@ -51,7 +51,7 @@ def identification_page(result: Identification, logs: Sequence[Log] = ()) -> Pag
     page = Page(f"Identification of {result.given.name}")
     page.answer(_sentence(result), _grade(result), _facts(result))
     page.heading("What was found")
-    for note in result.notes or ["the bodies of the file are this arm's"]:
+    for note in (*result.of_bodies, *result.notes):
         page.finding(sentence(note))
     by_speed = result.source == "speed" or UNEVEN in result.notes
     page.text(
@@ -216,7 +216,7 @@ def _add_motion(page: Page, result: Identification, log: Log) -> None:
 
 def lines(result: Identification) -> list[str]:
     """The same in a few lines for a terminal."""
-    found = list(result.notes or ["the bodies of the file are this arm's"])
+    found = [*result.of_bodies, *result.notes]
     for log in result.logs:
         found.append(f"RMSE over mean torque on {log.name} ({log.role}) [%]:")
         for which, name in MODELS.items():

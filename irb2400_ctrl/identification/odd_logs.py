@@ -1,0 +1,128 @@
+"""Logs that are not of one arm with one load: fitted together, each leaves far more than alone."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from irb2400_ctrl.arrays import Array, Integers
+from irb2400_ctrl.identification.fitting.baseline import plain_least_squares
+from irb2400_ctrl.identification.fitting.columns import ColumnLayout
+from irb2400_ctrl.identification.fitting.fitted import Fit
+from irb2400_ctrl.identification.fitting.moments import Moments, Recording
+
+TWICE = 2.0
+"""rms of a joint in a fit to several logs, over what it is in a fit to its log alone, beyond which
+the logs disagree"""
+AGREEING = 1.5
+"""the same up to which the others agree once one is left out"""
+FEWEST = 100
+"""samples of a joint that counts"""
+LITTLE = 1e-3
+"""of a joint's rms torque: what a simulation leaves is no disagreement"""
+
+
+def odd_logs(found: Fit, parts: Sequence[Recording]) -> list[str]:
+    """What the reader should know of logs that disagree, by plain least squares on their sums.
+
+    Alone, every other second of a log is left by a fit to the seconds between: a short log, which
+    alone fits anything, so accuses nobody.
+
+    Args:
+        found: the fit to all; parts: the recordings, one a log.
+    """
+    if len(parts) < 2:
+        return []
+    bare = ColumnLayout(found.layout.n)
+    sums = found.sums.part(bare.within(found.layout))
+    blocks = [np.unique(part.block) for part in parts]
+    each = [_rms(sums, own, _alone(sums, own)) for own in blocks]
+    every = range(len(parts))
+    worst = _ratios(sums, blocks, each, every)
+    if not worst.max() > TWICE:
+        return []
+    place, joint = (int(k) for k in np.unravel_index(int(np.argmax(worst)), worst.shape))
+    told = _told(parts, each, place, joint, float(worst[place, joint]))
+    if len(parts) == 2:
+        names = " and ".join(part.motion.name for part in parts)
+        return [f"{names} disagree: {told}; are both of this arm, with one load, in one mounting?"]
+    left = {k: _without(sums, blocks, each, k) for k in every}
+    odd = min(left, key=lambda k: left[k])
+    if left[odd] > AGREEING:
+        return [f"the logs disagree: {told}; are all of this arm, with one load, in one mounting?"]
+    return [
+        f"{parts[odd].motion.name} does not belong to the other logs: {told}; without it the "
+        "others agree. Of another arm, load or mounting? Identify it apart"
+    ]
+
+
+def _told(
+    parts: Sequence[Recording], each: Sequence[Array], place: int, joint: int, ratio: float
+) -> str:
+    """The joint on which they disagree most.
+
+    Args:
+        parts: the recordings; each: what is left of each alone, (n,).
+        place: of the log; joint: from 0.
+        ratio: of what the common fit leaves there.
+    """
+    alone = float(each[place][joint])
+    return (
+        f"joint {joint + 1} of {parts[place].motion.name} leaves {ratio * alone:.3g} Nm in a fit "
+        f"to all of them, {alone:.3g} Nm in one to it alone"
+    )
+
+
+def _ratios(
+    sums: Moments, blocks: Sequence[Integers], each: Sequence[Array], some: Sequence[int]
+) -> Array:
+    """What a fit to some logs leaves of each over what it leaves alone, (logs, n); zero of joints
+    that do not count.
+
+    Args:
+        sums: of all logs; blocks: of each.
+        each: what is left of each alone, (n,).
+        some: the logs that are fitted together.
+    """
+    theta = plain_least_squares(sums.taken(np.concatenate([blocks[k] for k in some])))
+    return np.array([_rms(sums, blocks[k], theta) / np.maximum(each[k], 1e-300) for k in some])
+
+
+def _without(sums: Moments, blocks: Sequence[Integers], each: Sequence[Array], odd: int) -> float:
+    """The worst ratio of the others.
+
+    Args:
+        sums: of all logs; blocks: of each.
+        each: what is left of each alone, (n,).
+        odd: the log that is left out.
+    """
+    others = [k for k in range(len(blocks)) if k != odd]
+    return float(_ratios(sums, blocks, each, others).max())
+
+
+def _alone(sums: Moments, own: Integers) -> tuple[Array, Array]:
+    """Numbers of a fit to the even blocks of a log, and to the odd."""
+    even, odd = (plain_least_squares(sums.taken(own[first::2])) for first in (0, 1))
+    return even, odd
+
+
+def _rms(sums: Moments, own: Integers, theta: Array | tuple[Array, Array]) -> Array:
+    """Rms torque left of a log per joint, (n,) [Nm].
+
+    Args:
+        sums: of all logs; own: blocks of this one.
+        theta: numbers, (p,); of two, each leaves the blocks that it has not seen.
+    """
+    data = sums.taken(own)
+    if isinstance(theta, tuple):
+        left = data.squared_error(theta[1])
+        left[1::2] = data.squared_error(theta[0])[1::2]
+    else:
+        left = data.squared_error(theta)
+    count = data.count.sum(axis=0)
+    known = count >= FEWEST
+    floor = LITTLE * np.sqrt(data.c.sum(axis=0) / np.maximum(count, 1.0))
+    return np.where(
+        known, np.maximum(np.sqrt(left.sum(axis=0) / np.maximum(count, 1.0)), floor), 0.0
+    )
