@@ -20,7 +20,7 @@ from irb2400_ctrl.effects import LIBRARY
 from irb2400_ctrl.effects.prior import Nested
 
 GRID = [
-    {"neutral_rad": a, "lever_ratio": b, "free_ratio": c}
+    {"neutral_rad": a, "lever_ratio": b, "free_ratio": c, "gas_exponent": 0.0}
     for a in (-0.4, 0.0, 0.4)
     for b in (0.3, 0.5)
     for c in (-4.0, 0.0, 0.9)
@@ -97,9 +97,11 @@ def test_a_law_of_several_numbers_is_searched_between_the_points_of_its_grid() -
 
     start = at(None, SimpleNamespace(kind="balancer", joint=2, known=True), GRID[7])
     found = scan(_at=at).between(None, start)
-    assert start.effects[0].nonlinear == {"neutral_rad": 0.0, "lever_ratio": 0.3, "free_ratio": 0.0}
-    for key, value in found.effects[0].nonlinear.items():
-        assert value == pytest.approx(aim[key], abs=step_at(GRID, key, GRID[7][key]) / 8)
+    assert start.effects[0].nonlinear == GRID[7]
+    assert found.effects[0].nonlinear["gas_exponent"] == 0.0  # a spring or a gas, nothing between
+    for key, value in aim.items():
+        near = step_at(GRID, key, GRID[7][key]) / 8
+        assert found.effects[0].nonlinear[key] == pytest.approx(value, abs=near)
 
 
 def replace_score(candidate: Any, effect: Any, gain: float) -> Any:

@@ -1,4 +1,4 @@
-"""How large a torque is, of what counts for an error and of what a filter would take away."""
+"""How large a torque is, where it is known and with what a filter takes away."""
 
 from __future__ import annotations
 
@@ -12,14 +12,12 @@ from irb2400_ctrl.diagnosis.comparison.comparison import Comparison
 from irb2400_ctrl.effects import LIBRARY
 
 
-def test_of_rows_that_are_known_and_away_from_reversals() -> None:
+def test_of_rows_that_are_known() -> None:
     made: Any = Comparison.__new__(Comparison)
-    made.n = 2
-    known = np.array([[True, True], [True, False], [True, True], [False, False]])
-    reversal = np.array([[False, False], [False, False], [True, False], [False, False]])
-    made.noise = SimpleNamespace(known=known, reversal=reversal)
-    torque = np.array([[3.0, 1.0], [4.0, 90.0], [90.0, 7.0], [90.0, 90.0]])
-    np.testing.assert_allclose(made.calm_rms(torque), np.sqrt([12.5, 25.0]))
+    known = np.array([[True, True, False], [True, False, False], [False, True, False]])
+    made.noise = SimpleNamespace(known=known)
+    torque = np.array([[3.0, 1.0, 9.0], [4.0, 90.0, 9.0], [90.0, 7.0, 9.0]])
+    np.testing.assert_allclose(made.known_rms(torque), np.sqrt([12.5, 25.0, 0.0]))
 
 
 def test_of_the_samples_of_a_swing_a_filter_leaves_little() -> None:

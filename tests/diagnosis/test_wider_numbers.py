@@ -108,7 +108,8 @@ def test_that_which_explains_most_is_taken(
 
 def test_without_the_friction_of_a_joint() -> None:
     fitter: Any = SimpleNamespace(own=8, friction=6)
-    friction, bodies = np.array([1.0, 1.0, *[4.0] * 6]), np.full(8, 4.0)
+    friction = np.array([1.0, 1.0, *[4.0] * 6])
+    bodies = np.full(8, 4.0)
     assert [one.tolist() for one in but_for_a_joint(fitter, friction)] == [
         [1.0, 1.0, 1.0, 4.0, 1.0, 4.0, 1.0, 4.0],
         [1.0, 1.0, 4.0, 1.0, 4.0, 1.0, 4.0, 1.0],

@@ -21,8 +21,7 @@ FRICTION: frozenset[BaseTerm] = frozenset(("coulomb", "viscous"))
 """terms of the base that wear and temperature change"""
 QUICK = 0.5
 """share of the least torque that is enough of a delay, whose steps where friction turns over are
-quicker than what is compared, and of the flaw of a transmission, whose swing is (all but a tenth of
-that of a stiff wrist: there its samples count)"""
+quicker than what is compared, and of the flaw of a transmission, whose swing is"""
 ONE_MOMENT = 1.0
 """[s] what begins nearer in time than this began for one reason"""
 
@@ -158,11 +157,8 @@ class Threshold:
         candidate = alternative.candidate
         size = self._size(candidate)
         # by discrepancy from its law alone, which the base takes in: a good size speaks for it
-        least = (
-            c.torque
-            if alternative.by_law > c.by_law * candidate.score.gain
-            else c.torque_beside_law
-        )
+        by_law = alternative.by_law > c.by_law * candidate.score.gain
+        least = c.torque if by_law else c.torque_beside_law
         shown = size
         if candidate.rattles:
             least = 0.0  # nine tenths of it are quicker than what is compared
