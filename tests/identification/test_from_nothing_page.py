@@ -48,7 +48,7 @@ def test_from_nothing_to_a_diagnosed_robot(tmp_path: Path) -> None:
     identified = next(text for command, text in said.items() if " identify monday" in command)
     assert "the bodies of the file are this arm's" in identified
     heavy = next(text for command, text in said.items() if " identify heavy" in command)
-    assert "the file's numbers are far off" in heavy
+    assert "the bodies of the file are not this arm's: link 2" in heavy
 
     (load,) = findings(tmp_path / "found")["effects"]
     assert load["kind"] == "payload"
