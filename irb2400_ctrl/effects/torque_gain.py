@@ -16,6 +16,10 @@ from irb2400_ctrl.effects.drawing import Drawing
 from irb2400_ctrl.effects.prior import EXACT, Prior
 from irb2400_ctrl.effects.signals import Signals
 
+LEAST = 0.4
+MOST = 1.5
+"""readings over true torques that are still a drive's"""
+
 
 class TorqueGain(Effect):
     """measured tau_j = gain * tau_j."""
@@ -54,9 +58,9 @@ class TorqueGain(Effect):
 
     @property
     def unlikely(self) -> bool:
-        # no torque constant is known to three per cent; and no drive is off by half: something
-        # else is missing then
-        return not 0.03 < abs(self.gain - 1.0) < 0.5
+        # no torque constant is known to three per cent; and no drive reads half as much again:
+        # something else is missing then. Below `LEAST` a log is refused for its unit
+        return abs(self.gain - 1.0) < 0.03 or not LEAST < self.gain < MOST
 
     def coefficients(self) -> tuple[float, ...]:
         return (self.gain - 1.0,)

@@ -197,7 +197,7 @@ def prepare(log: Log, rate: float | None = None) -> PreparedLog:
     margin = derivative_margin(uniform.step)
     inside = slice(margin, len(q) - margin)
     positions, qd, qdd, qddd, qdddd = (part[inside] for part in parts)
-    recorder = find_torque_filter(uniform.tau[inside], positions, qd, qdd, uniform.step)
+    recorder = find_torque_filter(uniform.tau[inside], positions, qd, qdd, uniform.step, even.rate)
     low_pass = LowPass(CUTOFF, uniform.step, np.inf if recorder is None else recorder.highest)
     if len(positions) < 4 * low_pass.half:
         raise InputError(f"{log.name}: found {log.duration:.2f} s of data, expected at least 2 s")

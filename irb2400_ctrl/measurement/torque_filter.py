@@ -25,6 +25,9 @@ QUIET_FROM = 15.0
 """[Hz] nothing stands above it in a channel that was filtered at `HIGHEST`"""
 QUIET_TO = 45.0
 """[Hz] above it slow logs are interpolated"""
+ROOM = 1.3
+"""times `QUIET_FROM` that half the rate of the samples must be: a slower log holds nothing there,
+filtered or not"""
 QUIET = 3e-3
 """rms of what stands between the two, over that of all: sensors of real arms have 3e-2 and more"""
 CLEAR = 0.8
@@ -111,10 +114,10 @@ def _response(cutoff: float, order: float, step: float, half: int) -> Array:
 
 
 def find_torque_filter(
-    tau: Array, q: Array, qd: Array, qdd: Array, step: float
+    tau: Array, q: Array, qd: Array, qdd: Array, step: float, rate: float = np.inf
 ) -> TorqueFilter | None:
     """The filter that a log's torques went through; None where they were not, or where no reversal
-    of a joint would tell.
+    of a joint, or too slow a sampling, would tell.
 
     Args:
         tau: [Nm], shape (m, n), at even instants.
@@ -122,10 +125,12 @@ def find_torque_filter(
         qd: [rad/s], shape (m, n).
         qdd: [rad/s2], shape (m, n).
         step: between two samples [s].
+        rate: of the samples that the even instants were interpolated from [Hz]; default faster.
     """
     ends = round(ENDS / step)
     moves = (qd.std(axis=0) > MOVES) & (tau.std(axis=0) > 0.0)
-    if not moves.any() or len(tau) < 4 * ends:
+    slow = rate < 2.0 * ROOM * QUIET_FROM
+    if slow or not moves.any() or len(tau) < 4 * ends:
         return None
     frequency, power = _spectrum(tau[:, moves], step)
     band = (frequency > QUIET_FROM) & (frequency < QUIET_TO)

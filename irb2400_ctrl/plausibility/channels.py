@@ -10,7 +10,7 @@ from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.measurement.log import Log
 from irb2400_ctrl.measurement.log_facts import digit
 from irb2400_ctrl.measurement.motion.held_samples import released
-from irb2400_ctrl.plausibility.jumps import MOVES, bend_of, cut, spikes, wrapped
+from irb2400_ctrl.plausibility.jumps import MOVES, bend_of, cut, spikes, uncounted, wrapped
 from irb2400_ctrl.plausibility.problem import LogProblem
 from irb2400_ctrl.plausibility.runs import held, runs, stretches
 from irb2400_ctrl.plausibility.standing import standing_problem
@@ -189,6 +189,7 @@ CHECKS: tuple[Callable[[Log], LogProblem | None], ...] = (
     standing_problem,
     cut,
     clipped,
+    uncounted,
 )
 
 

@@ -49,7 +49,7 @@ STEPS = 3
 """readings on top of each other at most"""
 LOST_PRICE = 300.0
 """of six joints: above this, and no reading that fits, the log is not this robot's"""
-SINGLE = ("angle_unit", "angle_sign", "axis_sign", "torque_sign", "coupling")
+SINGLE = ("angle_unit", "angle_sign", "axis_sign", "torque_sign", "coupling", "angle_zero")
 """what is asked of each joint alone with a sharper misfit"""
 PLACEHOLDERS = 0.5
 """share of the joints whose stated friction is not the arm's, above which none of it is taken for

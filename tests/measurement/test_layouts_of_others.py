@@ -91,6 +91,12 @@ LAYOUTS = {
         ["Time (s)", *of("q# (rad)"), *of("tau# (Nm)")], T, Q, TAU, separator="   "
     ),
     "torn at the end": table(PLAIN, T, Q, TAU) + "2.0,0.1,0.",
+    **{
+        f"torn at the end, {cell!r}": table(PLAIN, T, Q, TAU)
+        + ",".join(["2.0"] + ["0.1"] * 11)
+        + f",{cell}"
+        for cell in ("", "-", "1.2e", "\n")
+    },
     "zeros at the end": table(PLAIN, T, Q, TAU) + "\0" * 300,
     "doubled rows": table(PLAIN, *(np.repeat(column, 2, axis=0) for column in (T, Q, TAU))),
     "with an index": table(["", *PLAIN], np.arange(len(T)), T, Q, TAU),

@@ -58,6 +58,14 @@ def test_none_is_where_none_was(noise: float) -> None:
     assert find_torque_filter(torque(8.0, noise), *motion(), STEP) is None
 
 
+def test_a_log_of_few_samples_a_second_was_not_filtered() -> None:
+    """Above half its rate there is nothing of itself, and not for a filter."""
+    slow = slice(None, None, 20)
+    q, _, _ = motion()
+    log = Log(TIME[slow], q[slow], torque(8.0, 1.0)[slow])
+    assert not any(prepare(log).recorders)
+
+
 @pytest.mark.parametrize("width", [0.03, 0.1, 0.3])
 def test_smooth_friction_of_a_simulation_is_not_a_filter(width: float) -> None:
     _, qd, _ = motion()

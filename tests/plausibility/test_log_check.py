@@ -143,6 +143,14 @@ def test_a_wrong_unit_is_seen_on_a_joint_that_hardly_loads_the_others(joint: int
     assert problem.fits["factor"] == pytest.approx(180.0 / np.pi)
 
 
+def test_a_zero_of_a_light_joint_is_seen_where_the_model_explains_it_hardly_worse() -> None:
+    drawn = other_arm_log(800000)
+    q = drawn.log.q + np.radians(90.0) * np.eye(6)[4]
+    problem = log_problem(drawn.robot, replace(drawn.log, q=q, qd=None, q_ref=None))
+    assert problem is not None
+    assert (problem.kind, problem.joints) == ("angle_zero", (5,))
+
+
 def test_link_angles_are_told_where_bodies_make_up_for_them() -> None:
     """Of one drawn arm they left 7 to 18 %, at a price that sound logs have."""
     drawn = sound_log(98112, plain=True)

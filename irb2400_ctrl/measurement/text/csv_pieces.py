@@ -93,11 +93,51 @@ def fast_pieces(body: Body, header: list[str]) -> Iterator[Piece]:
         yield partial(numbers, block)
 
 
+class _Samples:
+    """Lines of numbers until they are taken. One that was perhaps cut inside its last cell, the
+    first word in a column of numbers, counts once another line follows."""
+
+    def __init__(self, width: int) -> None:
+        self._columns = [array("d") for _ in range(width)]
+        self._held: list[float] = []
+        self._numbers = True
+        self.none = True
+
+    @property
+    def rows(self) -> int:
+        return len(self._columns[0])
+
+    def go_on(self) -> None:
+        """Another line follows."""
+        if not self._held:
+            return
+        for column, value in zip(self._columns, self._held, strict=True):
+            column.append(value)
+        self._held = []
+
+    def add(self, values: list[float], last: str) -> None:
+        """The numbers of a line, and its last cell."""
+        first = self._numbers and np.isnan(values[-1])
+        self._numbers = self._numbers and not first
+        self._held = values
+        if self.none or not first or _says_nan(last):
+            self.go_on()
+        self.none = False
+
+    def taken(self) -> list[Array]:
+        """One array a column, of the lines since the last time."""
+        found = [np.array(column) for column in self._columns]
+        for column in self._columns:
+            del column[:]
+        return found
+
+
 def slow_pieces(
     body: Body, header: list[str], names: list[str], widths: dict[int, int]
 ) -> Iterator[Piece]:
     """Cell by cell, to say where a line is not like the others; a word is NaN. A last line that
-    ends early was being written when the recorder stopped: it is left out.
+    ends early, or in the only word of the last column, was being written when the recorder stopped:
+    it is left out.
 
     Args:
         body: the samples.
@@ -106,21 +146,18 @@ def slow_pieces(
         widths: how many numbers the lists hold, by the number of their cell.
     """
     width = len(header)
-    columns = [array("d") for _ in names]
+    samples = _Samples(len(names))
     midnights = {header[k]: Midnights() for k in body.clocks}
     mixed = MixedDecimals() if body.dialect.decimal == "," else None
     torn: InputError | None = None
-    rows = 0
 
     def piece(numbers: Mapping[str, Array], names: Sequence[str]) -> list[Array]:
         return [numbers[name] for name in names]
 
     def so_far() -> Piece:
-        numbers = {name: np.array(values) for name, values in zip(names, columns, strict=True)}
+        numbers = dict(zip(names, samples.taken(), strict=True))
         for name, beyond in midnights.items():
             numbers[name] = beyond(numbers[name])
-        for column in columns:
-            del column[:]
         return partial(piece, numbers)
 
     lines = (line for block in body.blocks() for line in block.decode().split("\n")[:-1])
@@ -129,27 +166,31 @@ def slow_pieces(
             continue
         if torn is not None:
             raise torn
+        samples.go_on()
         cells = body.dialect.split(line)
         while len(cells) > width and not cells[-1].strip():
             cells.pop()
         if len(cells) != width:
             torn = _wrong_width(body, number, line, len(cells), width)
-            if len(cells) > width or not rows:
+            if len(cells) > width or samples.none:
                 raise torn
             continue
         place = f"{body.path}, line {number}"
         _same_joints(body, cells, place)
         if mixed is not None:
             mixed.look(number, ["" if k in body.clocks else bare(c) for k, c in enumerate(cells)])
-        for column, value in zip(columns, _values(body, cells, widths, place), strict=True):
-            column.append(value)
-        rows += 1
-        if rows % SLOW_ROWS == 0:
+        samples.add(_values(body, cells, widths, place), cells[-1])
+        if samples.rows >= SLOW_ROWS:
             yield so_far()
     if mixed is not None:
         mixed.check(body.path, header)
-    if rows % SLOW_ROWS:
+    if samples.rows:
         yield so_far()
+
+
+def _says_nan(cell: str) -> bool:
+    """Whether a cell says that it holds no number, as no cell says that was cut."""
+    return bare(cell).lower() in {"nan", "null", "none"}
 
 
 def _same_joints(body: Body, cells: list[str], place: str) -> None:

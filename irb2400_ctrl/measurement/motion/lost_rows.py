@@ -1,0 +1,99 @@
+"""Rows that are missing, or there twice, though the clock is even: a time that was counted (row
+times period) passes over both.
+
+Where a row is missing all joints that move take two of their steps at once (k + 1 of k rows),
+where one is written again none. What a step should be is what a cubic says of its two neighbours on
+each side. Only steps well above the digits and the noise of the angles are asked, and only where
+two joints at least move.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from irb2400_ctrl.arrays import Array, Integers, Mask
+from irb2400_ctrl.measurement.log import Log
+
+DIGITS = 12.0
+"""digits of its angle that a joint must go in a step, and"""
+NOISE = 10.0
+"""times what its steps usually are off, to say anything"""
+CALM = 0.25
+"""quantile of the latter: nearly half of the steps may stand beside a row that is missing"""
+OF_NORMAL = 0.319
+"""that quantile of the size of a normal variable of one"""
+CLOSE = 0.2
+"""of a step, by which each joint's may be off a whole number of them"""
+EVEN = 0.25
+"""of a period, by which the clock may step otherwise"""
+AGREE = 0.5
+"""of a step, by which the two steps beside it may differ"""
+FEWEST = 50
+"""steps that can be asked"""
+LEAST = 6
+"""samples that make a step and its neighbours"""
+
+
+@dataclass(frozen=True)
+class LostRows:
+    """Where rows are missing or there twice.
+
+    Args:
+        missing: rows behind which some are missing.
+        twice: rows that are there again in the next.
+        asked: number of steps that could be asked.
+    """
+
+    missing: Integers
+    twice: Integers
+    asked: int
+
+
+def lost_rows(log: Log) -> LostRows | None:
+    """Rows of a log that its clock does not know to be missing or doubled; None where too few of
+    its steps tell."""
+    if len(log.time) < LEAST:
+        return None
+    steps = np.diff(log.q, axis=0)
+    even = _even(np.diff(log.time))
+    here = steps[2:-2]
+    expected = (4.0 * (steps[1:-3] + steps[3:-1]) - steps[:-4] - steps[4:]) / 6.0
+    size = np.abs(expected)
+    told = size > _least(log.q, np.abs(here - expected))
+    told &= np.abs(steps[1:-3] - steps[3:-1]) < AGREE * size
+    asked = even & (told.sum(axis=1) > 1)
+    if asked.sum() < FEWEST:
+        return None
+    ratio = np.where(told, here / np.where(told, expected, 1.0), np.nan)[asked]
+    whole = np.round(np.nanmedian(ratio, axis=1))
+    together = np.nanmax(np.abs(ratio - whole[:, None]), axis=1) < CLOSE
+    place = np.flatnonzero(asked) + 2
+    missing = together & (whole > 1.0)
+    # one that is written again is so to the last digit; a motion of few samples may nearly stop
+    again = ((here == 0.0) | ~told)[asked].all(axis=1)
+    return LostRows(
+        missing=place[missing],
+        twice=place[again],
+        asked=len(place),
+    )
+
+
+def _even(passed: Array) -> Mask:
+    """Steps that the clock, as its two neighbours on each side, passes evenly, (m - 5,)."""
+    even = np.abs(passed / np.median(passed) - 1.0) < EVEN
+    return np.asarray(even[:-4] & even[1:-3] & even[2:-2] & even[3:-1] & even[4:])
+
+
+def _least(q: Array, off: Array) -> Array:
+    """Steps of each joint that tell [rad], shape (n,).
+
+    Args:
+        q: shape (m, n) [rad].
+        off: by which steps are not what their neighbours say, shape (m - 5, n) [rad].
+    """
+    change = np.abs(np.diff(q, axis=0))
+    digit = np.min(np.where(change > 0.0, change, np.inf), axis=0)
+    noise = np.quantile(off, CALM, axis=0) / OF_NORMAL
+    return np.asarray(np.maximum(DIGITS * digit, NOISE * noise))
