@@ -21,7 +21,7 @@ REFITTED = (
     "coupled_friction",
     "acceleration_reading",
 )
-"""kinds of effects of a file that a fit replaces by its own"""
+"""kinds of effects of a file that a fit replaces by its own, as it does a delay of all torques"""
 LEAST_SHARE = 1e-9
 """smallest eigenvalue over the largest that a pseudo-inertia keeps when the tool is taken off"""
 
@@ -31,7 +31,11 @@ body_of = Body.of_parameters
 def fit_base(robot: Robot) -> tuple[Robot, Robot]:
     """(the robot without effects, with those that a fit leaves alone)."""
     lasting = robot.lasting()
-    kept = tuple(e for e in lasting.effects if e.kind not in REFITTED)
+    kept = tuple(
+        e
+        for e in lasting.effects
+        if e.kind not in REFITTED and not (e.kind == "time_delay" and e.joint is None)
+    )
     return (
         lasting.model_copy(update={"effects": ()}),
         lasting.model_copy(update={"effects": kept}),

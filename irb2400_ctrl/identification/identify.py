@@ -34,6 +34,7 @@ from irb2400_ctrl.identification.identification import Identification, LogResult
 from irb2400_ctrl.identification.identified_robot import fit_base, identified_robot
 from irb2400_ctrl.identification.late_torques import (
     Late,
+    in_robot,
     in_time,
     late_torques,
     open_by_delay,
@@ -141,7 +142,7 @@ def _identified(robot: Robot, seen: Logs, others: Logs, gains: Gains | None) -> 
     told_late = [one for one in (*late, *late_beside) if one is not None]
     return Identification(
         given=robot,
-        robot=fitted.model_copy(update={"identified": known}),
+        robot=in_robot(fitted.model_copy(update={"identified": known}), late),
         layout=found.layout,
         theta=found.theta,
         covariance=covariance,

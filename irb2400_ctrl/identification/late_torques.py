@@ -28,6 +28,7 @@ from irb2400_ctrl.identification.fitting.moments import Recording, moments, pred
 from irb2400_ctrl.identification.fitting.noise import correlation_factor
 from irb2400_ctrl.measurement.prepared_log import STICKING_SPEED, PreparedLog
 from irb2400_ctrl.model import Model
+from irb2400_ctrl.robot import Robot
 
 CLEAR = 3.0
 """standard errors beyond what may look like a delay at which torques are late"""
@@ -91,6 +92,24 @@ def late_torques(model: Model, part: Recording) -> Late | None:
         if abs(more) < SETTLED:
             return Late(part.motion.name, delay, error)
     return None
+
+
+def in_robot(robot: Robot, late: Sequence[Late | None]) -> Robot:
+    """The robot whose torques are recorded as late as those of all logs: it predicts them as
+    recorded. The same robot where the logs differ, or one is in time.
+
+    Args:
+        robot: identified; late: of each log.
+    """
+    some = [one for one in late if one is not None]
+    if len(some) < max(len(late), 1):
+        return robot
+    weight = np.array([one.error**-2 for one in some])
+    delays = np.array([one.delay for one in some])
+    mean = float(weight @ delays / weight.sum())
+    if any(abs(one.delay - mean) > CLEAR * one.error for one in some):
+        return robot
+    return robot.with_effects(TimeDelay(delay_s=mean, source="identified"))
 
 
 def in_time(motion: PreparedLog, delay: float) -> PreparedLog:

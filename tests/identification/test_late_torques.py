@@ -14,7 +14,7 @@ from irb2400_ctrl.identification.fitting.fit import fit
 from irb2400_ctrl.identification.fitting.moments import recordings
 from irb2400_ctrl.identification.fitting.motion_source import motion_of
 from irb2400_ctrl.identification.identified_robot import fit_base
-from irb2400_ctrl.identification.late_torques import in_time, open_by_delay
+from irb2400_ctrl.identification.late_torques import Late, in_robot, in_time, open_by_delay
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.report.pages.identification_page import lines
 
@@ -66,9 +66,28 @@ def test_they_are_taken_at_the_time_of_the_angles(samples: int) -> None:
     assert found.to_json()["late_torques"] == [one.to_json()]
 
 
+def test_the_robot_predicts_them_as_recorded() -> None:
+    """A delay of the recorder is no change of the arm on a later day."""
+    found = identified(4)
+    (delay,) = [e for e in found.robot.effects if e.kind == "time_delay"]
+    assert delay.parameters()["delay_s"] == found.late[0].delay
+    again, kept = fit_base(found.robot)
+    assert not again.effects
+    assert "time_delay" not in [e.kind for e in kept.effects]
+
+
+def test_a_robot_is_as_late_as_all_of_its_logs() -> None:
+    near = [Late("a", 0.0161, 2e-4), Late("b", 0.0158, 2e-4)]
+    (delay,) = in_robot(ROBOT, near).effects
+    assert delay.parameters()["delay_s"] == pytest.approx(0.01595)
+    for others in ([*near, None], [*near, Late("c", 0.024, 2e-4)], [None], []):
+        assert in_robot(ROBOT, others) == ROBOT
+
+
 def test_of_a_sound_log_nothing_is_said_or_moved() -> None:
     found = identified(0)
     assert not found.late
+    assert found.robot.effects == in_robot(found.robot, [None]).effects
     assert not any("than the angles" in line for line in lines(found))
 
 
