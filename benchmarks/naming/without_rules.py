@@ -27,7 +27,7 @@ SELECTION = selection.Selection
 GROUND = ground.Ground
 ACCEPTANCE = acceptance.Acceptance
 RULES: dict[str, tuple[Put, ...]] = {
-    "wider": ((SELECTION, "_rather_wider", lambda *_: None),),
+    "wider": ((selection, "rather_wider", lambda *_: None),),
     "borne_out_again": ((SELECTION, "_borne_out", lambda _, steps, fit: (steps, fit)),),
     "weighty": ((SELECTION, "_weighty", lambda _, steps, fit: (steps, fit)),),
     "doubted": ((SELECTION, "_doubted", lambda *_: False),),
