@@ -35,9 +35,6 @@ QUICKEST = 0.5
 """of the shortest time constant of a grid that a search may lead to"""
 BEYOND = math.pi / 2
 """[rad] that a spring may have its neutral angle beyond its joint's range"""
-WRONG = 2.0
-"""times what a swing is worth to the fit that it may be wrong sample by sample, where how it began
-is not free: of true ones 1.5 times at most, of play that passed for a swing 2.7 to 21 times"""
 HEAVIER = 2.0
 """times its stated mass that a link may be heavier"""
 SMALL_ANGLE = 0.5
@@ -278,7 +275,7 @@ class Acceptance:
         return min(nats) + credit > 0.0
 
     def _swings_so(self, steps: Sequence[Step], fit: Fit, place: int) -> bool:
-        """Whether the flaw of a transmission is not far more wrong sample by sample than right in
+        """Whether the flaw of a transmission is not more wrong sample by sample than it is right in
         what is compared: play of a wrist passes for a spring there, whose swing shakes all joints.
 
         No more is asked: how a swing began is free, and its linear columns do not bear out its
@@ -286,7 +283,7 @@ class Acceptance:
         """
         held_out = HeldOut(self.fitter, [s.candidate for s in steps], fit)
         told = held_out.told(place).nats.sum()
-        return bool(told + WRONG * held_out.worth(place).nats.sum() > 0.0)
+        return bool(told + held_out.worth(place).nats.sum() > 0.0)
 
     def _of_one_size(self, steps: Sequence[Step], fit: Fit, place: int) -> bool:
         """Whether a law of the whole arm is as large on each joint as on the others: a liquid at
