@@ -15,6 +15,7 @@ import numpy as np
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.excitation.acceleration import AccelerationLimits
+from irb2400_ctrl.excitation.feasible import SHARE
 from irb2400_ctrl.robot import Robot
 
 RISE = 0.8
@@ -25,8 +26,6 @@ INSET = 0.05
 
 CARRIER = 0.15
 """[Hz] of a swing that carries fast pieces"""
-USED = 0.9
-"""of the limits of speed and acceleration, at most"""
 
 
 @dataclass(frozen=True)
@@ -180,7 +179,7 @@ def drawn(
         chirp = np.vstack([np.zeros(n), chirp])
     phase = rng.uniform(0, 2 * np.pi, frequency.shape)
     piece = Piece(flavour.name, centre, amplitude, frequency, chirp, phase)
-    factor = rng.uniform(*flavour.size, n) * allowed(robot, piece, duration, room, USED)
+    factor = rng.uniform(*flavour.size, n) * allowed(robot, piece, duration, room, SHARE)
     moving = rng.uniform(size=n) < flavour.moving
     moving[rng.integers(n) if joint is None else joint - 1] = True
     return piece.scaled(factor * moving)
@@ -210,4 +209,4 @@ def mutated(
         phase=piece.phase + share * rng.standard_normal(shape),
     )
     room = np.minimum(centre - robot.q_min, robot.q_max - centre) - INSET * span
-    return new.scaled(np.minimum(1.0, allowed(robot, new, duration, room, USED)))
+    return new.scaled(np.minimum(1.0, allowed(robot, new, duration, room, SHARE)))

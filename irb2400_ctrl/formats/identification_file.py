@@ -162,7 +162,10 @@ class IdentificationFile(Table):
         description="column that speed and acceleration were taken from"
     )
     notes: list[str] = Field(description="what a reader should know, in words")
-    of_bodies: list[str] = Field(description="whether the file's are borne out, in words")
+    of_bodies: list[str] = Field(
+        default_factory=list,
+        description="whether the file's are borne out, in words; empty in files from before that",
+    )
     extras: list[ExtraEntry] = Field(description="effects that were fitted along")
     residual_Nm: list[NotNegative] = Field(description="rms torque that is left of each joint")
     samples_per_independent_one: float = Field(ge=1, description="samples that say the same thing")
@@ -171,7 +174,9 @@ class IdentificationFile(Table):
     identifiability: list[VerdictEntry]
     friction_runs: list[FrictionRunsEntry] = Field(description="empty without such runs")
     force_sensor: ForceSensorEntry | None = Field(description="null without its columns")
-    late_torques: list[LateEntry] = Field(description="logs whose torques were taken earlier")
+    late_torques: list[LateEntry] = Field(
+        default_factory=list, description="logs whose torques were taken earlier"
+    )
     gains: GainsEntry | None = Field(description="null without a weighed load")
     logs: list[IdentifiedLogEntry]
 

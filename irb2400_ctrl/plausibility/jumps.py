@@ -210,7 +210,8 @@ def cut(log: Log) -> LogProblem | None:
 
 def uncounted(log: Log) -> LogProblem | None:
     """Rows that are missing, or there twice, under a clock that goes on evenly."""
-    found = lost_rows(released(log)[0])
+    new = released(log)[0]
+    found = lost_rows(new)
     if found is None:
         return None
     missing = len(found.missing) >= len(found.twice)
@@ -221,7 +222,7 @@ def uncounted(log: Log) -> LogProblem | None:
     if log.qd is not None and log.duration > LONG and prepare(log).by_speed:
         return None
     share = 100.0 * len(places) / found.asked
-    first = float(released(log)[0].time[places[0]])
+    first = float(new.time[places[0]])
     if missing:
         says = (
             f"rows are missing and the clock passes over them: at {len(places)} places "

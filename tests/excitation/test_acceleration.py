@@ -4,6 +4,7 @@ where it states none."""
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -92,6 +93,13 @@ def test_a_motion_for_look_alikes_keeps_it_too() -> None:
     assert (np.degrees(largest(found.course)) <= SLOW * (1 + 1e-9)).all()
     assert found.summary()["max_acceleration_ratio"] <= 1.0
     assert "acceleration" in found.lines()[1]
+
+
+@pytest.mark.parametrize(("share", "inside"), [(1.0, True), (1.001, False)])
+def test_a_motion_beyond_it_is_not_inside(share: float, inside: bool) -> None:
+    found = replace(planned(None).extent, acceleration=share)
+    assert found.inside == inside
+    assert ("acceleration_deg_s2" in found.wrong()) != inside
 
 
 @pytest.mark.parametrize("speed", [0.001, 0.1, 0.5])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import cache
+from importlib import import_module
 
 import numpy as np
 import pytest
@@ -18,6 +19,7 @@ from irb2400_ctrl.identification.late_torques import Late, in_robot, in_time, op
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.report.pages.identification_page import lines
 
+identifying = import_module("irb2400_ctrl.identification.identify")
 ROBOT = possible_robot()
 NAMES = [f"{what}_{j}" for what in ("coulomb", "viscous", "rotor") for j in range(1, 7)]
 
@@ -117,3 +119,15 @@ def test_what_the_delay_leaves_open_is_open_in_the_numbers() -> None:
     np.testing.assert_allclose(np.sqrt(np.diag(covariance)[places]), expected, rtol=0.1)
     errors = identified(4).standard_errors
     assert (errors[places] > np.sqrt(np.diag(covariance)[places])).all()
+
+
+def test_the_standard_errors_hold_what_the_delay_leaves_open(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    known = identified(4).standard_errors
+    count = len(known)
+    monkeypatch.setattr(identifying, "open_by_delay", lambda *given: np.zeros((count, count)))
+    exactly = irb.identify(ROBOT, late(4)).standard_errors
+    places = [identified(4).layout.names().index(name) for name in NAMES[6:]]
+    assert (known[places] > 1.02 * exactly[places]).any()
+    assert (known >= exactly).all()

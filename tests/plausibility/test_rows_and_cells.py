@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from irb2400_ctrl.measurement import Log
-from irb2400_ctrl.plausibility import LogProblem, log_problem
+from irb2400_ctrl.plausibility import LogProblem, jumps, log_problem
 
 RATE = 125.0
 
@@ -55,6 +56,21 @@ def test_rows_that_are_there_twice_under_an_even_clock_are_told() -> None:
     assert problem.kind == "rows_twice"
     assert problem.fits["places"] > 0.9 * len(range(40, len(found.time), 10))
     assert "Leave them out" in problem.says
+
+
+@pytest.mark.parametrize(("stands_in", "seconds"), [(True, 20.0), (False, 20.0), (True, 2.2)])
+def test_where_a_recorded_speed_stands_in_nothing_is_refused(
+    stands_in: bool, seconds: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A Panda's host reads its state when it comes to it."""
+    found = log(seconds=seconds)
+    rows = np.sort(np.r_[np.arange(len(found.time)), np.arange(40, len(found.time), 10)])
+    polled = replace(counted(found, rows), qd=np.gradient(found.q, found.time, axis=0)[rows])
+    monkeypatch.setattr(jumps, "prepare", lambda log: SimpleNamespace(by_speed=stands_in))
+    problem = jumps.uncounted(polled)
+    # of a log too short to be prepared nobody knows
+    assert (problem is None) == (stands_in and seconds > 2.5)
+    assert problem is None or problem.kind == "rows_twice"
 
 
 def test_rows_whose_time_is_lost_with_them_are_no_fault() -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -92,6 +92,26 @@ def with_value(effect: Effect, parameter: Parameter, value: float) -> Effect:
     whole = list(getattr(effect, parameter.name))
     whole[parameter.element] = value
     return effect.model_copy(update={parameter.name: tuple(whole)})
+
+
+def slope_of(
+    effect: Effect, parameter: Parameter, step: float, shown: Callable[[Effect], Array]
+) -> Array:
+    """d shown / d parameter by central differences.
+
+    Args:
+        effect: about which; parameter: of it.
+        step: to each side, in the unit of its field.
+        shown: what an effect shows.
+    """
+    value = value_of(effect, parameter)
+    up, down = (shown(with_value(effect, parameter, value + by)) for by in (step, -step))
+    return np.asarray((up - down) / (2.0 * step))
+
+
+def small_step(value: float) -> float:
+    """Of a difference about a value."""
+    return 1e-4 * max(abs(value), 1e-2)
 
 
 def moved(

@@ -20,8 +20,9 @@ from irb2400_ctrl.diagnosis.estimation.effect_parameters import (
     moved,
     of_changing_strength,
     parameters_of,
+    slope_of,
+    small_step,
     value_of,
-    with_value,
 )
 from irb2400_ctrl.diagnosis.estimation.evidence import discrepancy_shares, discrepancy_unit
 from irb2400_ctrl.diagnosis.estimation.linearised import Linearised
@@ -323,11 +324,8 @@ class Fitter:
 
     def slope(self, effect: Effect, parameter: Parameter, *, filtered: bool = True) -> Array:
         """d torque / d parameter by central differences, shape (rows, n)."""
-        value = value_of(effect, parameter)
-        step = 1e-4 * max(abs(value), 1e-2)
-        ends = (with_value(effect, parameter, value + side * step) for side in (1, -1))
-        torques = (self._torque(there, filtered) for there in ends)
-        return np.asarray(np.subtract(*torques) / (2 * step))
+        step = small_step(value_of(effect, parameter))
+        return slope_of(effect, parameter, step, lambda one: self._torque(one, filtered))
 
     def _discrepancy(self, effect: Effect) -> tuple[Array, Array]:
         placed = self.placed(effect, discrepancy=True)

@@ -9,7 +9,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from irb2400_ctrl.arrays import Array
-from irb2400_ctrl.diagnosis.estimation.effect_parameters import Parameter, value_of, with_value
+from irb2400_ctrl.diagnosis.estimation.effect_parameters import (
+    Parameter,
+    slope_of,
+    small_step,
+    value_of,
+)
 from irb2400_ctrl.effects import Effect
 from irb2400_ctrl.measurement.prepared_log import PreparedLog
 
@@ -66,11 +71,8 @@ def slope_of_shown(effect: Effect, parameter: Parameter, motion: PreparedLog) ->
     """
     if effect.chain != "reading":
         return np.zeros((motion.rows, motion.n))
-    value = value_of(effect, parameter)
-    step = 1e-4 * max(abs(value), 1e-2)
-    there = (with_value(effect, parameter, value + sign * step) for sign in (1.0, -1.0))
-    up, down = (shown_of([one], motion) for one in there)
-    return np.asarray((up - down) / (2.0 * step))
+    step = small_step(value_of(effect, parameter))
+    return slope_of(effect, parameter, step, lambda one: shown_of([one], motion))
 
 
 def delayed(effects: Sequence[Effect], torque: Array, motion: PreparedLog) -> Array:
@@ -98,8 +100,6 @@ def slope_of_delayed(
         torque: at the samples, shape (m, n) [Nm].
         motion: the log, prepared.
     """
-    value = value_of(effect, parameter)
     step = 0.1 * motion.step
-    there = (with_value(effect, parameter, value + sign * step) for sign in (1.0, -1.0))
-    up, down = (delayed([one], torque, motion) for one in there)
-    return motion.filtered((up - down) / (2.0 * step))
+    rate = slope_of(effect, parameter, step, lambda one: delayed([one], torque, motion))
+    return motion.filtered(rate)

@@ -11,6 +11,11 @@ from irb2400_ctrl.report.figures import plan_figures as draw
 from irb2400_ctrl.robot import Robot
 from irb2400_ctrl.trajectory import Trajectory
 
+KEPT_RANGE = (
+    "Angles; ends of the range that is kept are dashed (a part of the joint's where the arm needs "
+    "room)."
+)
+
 
 def add_joints(page: Page, robot: Robot, motion: Trajectory) -> None:
     """Table and figures, under the heading that the page has.
@@ -24,7 +29,7 @@ def add_joints(page: Page, robot: Robot, motion: Trajectory) -> None:
     page.table("Largest values over the rows of the file", *joint_rows(robot, motion))
     if limits.assumed:
         page.finding(sentence(limits.remark()))
-    page.figures(draw.angle_figures(motion, robot), "Angles; ends of the range are dashed.", True)
+    page.figures(draw.angle_figures(motion, robot), KEPT_RANGE, True)
     page.figures(draw.speed_figures(motion, robot), "Speed; limits are dashed.", True)
     bends = draw.acceleration_figures(motion, limits.values)
     page.figures(bends, "Acceleration; limits are dashed.", True)

@@ -90,5 +90,5 @@ def _facts(found: Excitation) -> list[tuple[str, str]]:
         ("torque, at most", of_limit(found.extent.torque)),
         ("speed, at most", of_limit(found.extent.speed)),
         ("acceleration, at most", of_limit(found.extent.acceleration)),
-        ("from the ends of the range", f"{np.degrees(found.extent.box):.0f} deg"),
+        ("from the ends of the range kept", f"{np.degrees(found.extent.box):.0f} deg"),
     ]

@@ -11,7 +11,7 @@ from irb2400_ctrl.report.elements.arm_view import ArmView
 from irb2400_ctrl.report.elements.page import Page, of_limit
 from irb2400_ctrl.report.elements.plots import legend_above, logarithmic, wide
 from irb2400_ctrl.report.figures import plan_figures as draw
-from irb2400_ctrl.report.figures.excited_joints import add_joints, joint_rows
+from irb2400_ctrl.report.figures.excited_joints import KEPT_RANGE, add_joints, joint_rows
 from irb2400_ctrl.typed import typed
 
 FEW = 10
@@ -65,7 +65,7 @@ def identification_motion_page(found: IdentificationMotion, robot: str = "irb240
     )
     page.table("Largest values over the rows of the file", *joint_rows(found.robot, runs))
     angles = draw.angle_figures(runs, found.robot)
-    page.figures(angles, "Angles; ends of the range are dashed.", True)
+    page.figures(angles, KEPT_RANGE, True)
     return page
 
 
@@ -78,7 +78,7 @@ def _facts(found: IdentificationMotion) -> list[tuple[str, str]]:
         ("speed, at most", of_limit(max(extent.speed for extent in both))),
         ("acceleration, at most", of_limit(max(extent.acceleration for extent in both))),
         (
-            "from the ends of the range",
+            "from the ends of the range kept",
             f"{np.degrees(min(extent.box for extent in both)):.0f} deg",
         ),
         ("lowest height", f"{min(extent.height for extent in both):.2f} m"),
