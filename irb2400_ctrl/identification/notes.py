@@ -126,9 +126,9 @@ def notes_of(moved: Sequence[Moved], found: Fit, errors: Array, said: str) -> li
     notes += [_not_the_files(one) for one in moved if one.alarms]
     if any(one.alarms and one.far for one in moved):
         notes.append(
-            "masses so far from the file's mostly have another cause: is it the file of this "
-            "robot, is the time of the logs in seconds, are angles, their zeros and torques what "
-            "their columns say (irb2400 log check)?"
+            "masses so far from the file's mostly have another cause: is there a load that the "
+            "file lacks, is it the file of this robot, is the time of the logs in seconds, are "
+            "angles, their zeros and torques what their columns say (irb2400 log check)?"
         )
     factor = shared_factor(moved)
     if factor is not None:
