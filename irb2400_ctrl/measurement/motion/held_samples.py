@@ -34,6 +34,11 @@ FROZEN = 3
 """rows one after another that repeat all torques to the last digit: no noise does that"""
 BRIEF = 0.01
 """[s] below which they are those of a host that polls, and late by next to nothing"""
+SEVERAL = 4
+"""places at which angles that repeat tell by the step behind what they are"""
+STEADY = 0.75
+"""of the speed before, with which the arm comes to what is new: it moved on while the angles were
+repeated; where a row is written twice it has half that speed"""
 LASTS = 0.5
 """[s] above which it is the torque itself that stays the same"""
 MOVING = 0.02
@@ -82,7 +87,9 @@ def released(log: Log) -> tuple[Log, str]:
     angles = new_rows(log.q, log.time)
     rows = angles if torques is None else torques
     if rows is None:
-        return thawed(log)
+        fresh, said = without_repeated(log)
+        fresh, more = thawed(fresh)
+        return fresh, "; ".join(filter(None, [said, more]))
     kept = np.flatnonzero(rows)
     if angles is not None:
         ends = np.flatnonzero(angles)[[0, -1]]
@@ -90,7 +97,7 @@ def released(log: Log) -> tuple[Log, str]:
     if len(kept) < FEWEST or len(kept) < SLOWEST * log.duration:
         return log, ""
     fresh = _rows(log, kept)
-    said = [
+    parts = [
         f"{name} are new in {100.0 * np.mean(new):.0f} % of the rows only"
         for name, new in (("torques", torques), ("angles", angles))
         if new is not None
@@ -98,8 +105,44 @@ def released(log: Log) -> tuple[Log, str]:
     what = "torques" if torques is not None else "angles"
     mean = (len(kept) - 1) / fresh.duration
     return fresh, (
-        f"{', '.join(said)}, and held in the others: the rows with new {what} are used, "
+        f"{', '.join(parts)}, and held in the others: the rows with new {what} are used, "
         f"{mean:.4g} a second"
+    )
+
+
+def without_repeated(log: Log) -> tuple[Log, str]:
+    """A log without the rows that repeat all angles of the row before under a time of their own, as
+    where a state is published again before a new one has come, and what to say of that.
+
+    The step behind them says so: it is also that of the rows that repeat. Behind a row that is
+    written twice it is one of its own, and the time is wrong.
+    """
+    if len(log.time) < FEWEST:
+        return log, ""
+    steps = np.abs(np.diff(log.q, axis=0))
+    edges = np.diff(np.concatenate([[False], (steps == 0.0).all(axis=1), [False]]).astype(int))
+    last = np.flatnonzero(edges == 1)  # rows that are new, and
+    behind = np.flatnonzero(edges == -1) + 1  # the next that are: those between repeat
+    inside = (last > 0) & (behind < len(log.time))
+    last = last[inside]
+    behind = behind[inside]
+    digit = np.min(np.where(steps > 0.0, steps, np.inf), axis=0)
+    before = steps[last - 1]
+    then = steps[behind - 1]
+    told = (before > DIGITS * digit) & (then > DIGITS * digit)
+    moves = told.any(axis=1) & (log.time[behind] - log.time[last] <= REST)
+    if moves.sum() < SEVERAL:
+        return log, ""
+    usual = np.where(told, before, 0.0).sum(axis=1) / (log.time[last] - log.time[last - 1])
+    speed = np.where(told, then, 0.0).sum(axis=1) / (log.time[behind] - log.time[last])
+    if np.median(speed[moves] / usual[moves]) < STEADY:
+        return log, ""
+    stale = np.zeros(len(log.time), dtype=bool)
+    for start, stop in zip(last[moves], behind[moves], strict=True):
+        stale[start + 1 : stop] = True
+    return _rows(log, np.flatnonzero(~stale)), (
+        f"{stale.sum()} rows, {100.0 * stale.mean():.2g} % of all, repeat the angles of the row "
+        "before though the arm moves on meanwhile: they are left out"
     )
 
 
