@@ -9,9 +9,10 @@ import numpy as np
 import pytest
 
 from irb2400_ctrl.diagnosis.comparison import acceptance as module
-from irb2400_ctrl.diagnosis.comparison.acceptance import Acceptance, stands_clear, usual
+from irb2400_ctrl.diagnosis.comparison.acceptance import Acceptance, stands_clear
 from irb2400_ctrl.diagnosis.comparison.comparison import Alternative
 from irb2400_ctrl.diagnosis.comparison.criteria import Criteria
+from irb2400_ctrl.diagnosis.comparison.possible import usual
 from irb2400_ctrl.diagnosis.comparison.step import Step
 from irb2400_ctrl.diagnosis.estimation.candidate import Candidate
 from irb2400_ctrl.diagnosis.estimation.effect_parameters import parameters_of

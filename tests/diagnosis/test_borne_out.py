@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from diagnosis.test_acceptance import fitted, judged
 
-from irb2400_ctrl.diagnosis.comparison import acceptance
-from irb2400_ctrl.diagnosis.comparison.acceptance import in_time
+from irb2400_ctrl.diagnosis.comparison import possible
+from irb2400_ctrl.diagnosis.comparison.possible import in_time
 from irb2400_ctrl.diagnosis.estimation.candidate import most_of
 from irb2400_ctrl.effects import LIBRARY
 from irb2400_ctrl.robot import load_robot
@@ -54,7 +54,7 @@ def test_what_was_told_before_it_was_there_is_not_borne_out(
     offset = LIBRARY["torque_offset"].of(2, offset_Nm=3.0)
     name: Any = SimpleNamespace(effects=(offset,), **NAMED)
     for sound in (True, False):
-        monkeypatch.setattr(acceptance, "in_time", lambda robot, effect, sound=sound: sound)
+        monkeypatch.setattr(possible, "in_time", lambda robot, effect, sound=sound: sound)
         assert judged(name, [0.0, 5.0, 0.0]) == sound
 
 

@@ -8,14 +8,14 @@ from typing import Any
 import pytest
 
 import irb2400_ctrl as irb
-from irb2400_ctrl.diagnosis.comparison.acceptance import (
-    Acceptance,
+from irb2400_ctrl.diagnosis.comparison.acceptance import Acceptance
+from irb2400_ctrl.diagnosis.comparison.criteria import Criteria
+from irb2400_ctrl.diagnosis.comparison.possible import (
     can_be_put_on,
     can_be_taken_off,
     relaxes_within_reach,
     small_enough,
 )
-from irb2400_ctrl.diagnosis.comparison.criteria import Criteria
 from irb2400_ctrl.diagnosis.possible_bodies import turns_impossible
 from irb2400_ctrl.effects import LIBRARY
 from irb2400_ctrl.robot import Robot

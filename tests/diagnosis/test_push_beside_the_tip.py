@@ -9,7 +9,7 @@ import pytest
 from independent_plant import Case
 
 from irb2400_ctrl.diagnosis import diagnose
-from irb2400_ctrl.diagnosis.comparison.acceptance import within_reach
+from irb2400_ctrl.diagnosis.comparison.possible import within_reach
 from irb2400_ctrl.effects import LIBRARY
 from irb2400_ctrl.effects.process_force import ProcessForce
 from irb2400_ctrl.measurement import Log
