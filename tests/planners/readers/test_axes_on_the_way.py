@@ -92,6 +92,21 @@ def test_from_where_a_vector_led_the_tool_it_goes_the_shortest_way(tmp_path: Pat
 
 
 @pytest.mark.parametrize(
+    ("orders", "steps"),
+    [
+        ("FUNCTION TCPM F TCP AXIS POS PATHCTRL VECTOR\n", 1),
+        ("FUNCTION TCPM F TCP AXIS POS PATHCTRL AXIS\n", 45),
+        ("FUNCTION TCPM F TCP AXIS POS PATHCTRL VECTOR\nFUNCTION RESET TCPM\nM128\n", 45),
+    ],
+)
+def test_whether_heidenhain_turns_evenly_is_stated(orders: str, steps: int, tmp_path: Path) -> None:
+    moves = "L X0 Y0 Z5 A30 C0 R0 FMAX\nL X9 A30 C90 F60\nEND PGM A MM\n"
+    _, axis, _ = path(tmp_path, f"BEGIN PGM A MM\n{orders}{moves}", "a.h")
+    assert len(axis) == 1 + steps
+    np.testing.assert_allclose(axis[-1], [0.5, 0.0, np.sqrt(0.75)], atol=1e-9)
+
+
+@pytest.mark.parametrize(
     ("before", "after", "count"),
     [
         ({"A": 0.0, "C": 0.0}, {"A": 40.0, "C": 0.0}, 1),
