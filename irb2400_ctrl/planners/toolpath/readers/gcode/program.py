@@ -344,7 +344,7 @@ class _Reader:
     def _move(self, values: dict[str, float]) -> None:
         state = self._state
         builder = self._builder
-        if state.feed_mode == 93 and state.motion in {1, 2, 3} and "F" not in values:
+        if state.feed_mode == 93 and state.motion in {1, 2, 3, 5, 5.1} and "F" not in values:
             raise InputError(f"{builder.place}: G93 (inverse time) needs F in every cutting block")
         self._offsets.used()
         self._motion.run(values)
