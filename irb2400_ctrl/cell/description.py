@@ -172,6 +172,15 @@ class CellTool(Table):
     shapes: tuple[Shape, ...] = Field(min_length=1)
     """in the TCP frame at its own tip"""
 
+    @model_validator(mode="after")
+    def _behind_its_tip(self) -> Self:
+        if all(shape.place()[2, 3] > 0 for shape in self.shapes):
+            raise ValueError(
+                "shapes: all of the tool lies beyond its tip, at positive z, where the part is; z "
+                "points out of the spindle, expected negative z"
+            )
+        return self
+
 
 class Cell(Table):
     """The surroundings of an arm."""
