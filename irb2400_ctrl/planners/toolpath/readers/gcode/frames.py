@@ -69,6 +69,7 @@ class GcodeFrames:
             raise InputError(
                 f"{self._builder.place}: G68.2 P… is not read; expected X Y Z I J K (Euler angles)"
             )
+        self._state.left_turned = False
         self._state.reframe(plane_pose=tilted_plane(values, self._state.unit))
 
     def _turn(self, values: dict[str, float]) -> None:
