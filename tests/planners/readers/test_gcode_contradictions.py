@@ -102,6 +102,28 @@ def test_what_has_no_time_of_its_own_in_inverse_time(tmp_path: Path, block: str,
         way(tmp_path, f"G93 G1 X5. F10.\n{block}")
 
 
+PLANE = "G68.2 X0. Y0. Z0. I0. J30. K0.\n"
+
+
+@pytest.mark.parametrize(
+    ("text", "lines"),
+    [
+        (f"{PLANE}G1 X9. F60.\nG69\n", [4]),
+        (f"{PLANE}G53.1\nG1 X9. F60.\nG69\n", []),
+        (f"G0 A30. C0.\n{PLANE}G0 X0. Y0. Z0.\nG1 X9. F60.\nG69\n", []),
+        (f"{PLANE}G1 X9. F60.\n{PLANE}G53.1\nG0 X5.\nG69\n{PLANE}G0 X1.\n", [4, 10]),
+        ("G68.2 X9. Y0. Z0. I0. J0. K45.\nG1 X9. F60.\nG69\n", []),
+    ],
+)
+def test_a_plane_that_nothing_turns_the_tool_to_is_said(
+    text: str, lines: list[int], tmp_path: Path
+) -> None:
+    notes = program(tmp_path, f"{HEAD}{text}M30\n", "C,A").of_kind("assumed")
+    found = {note.line: note.count for note in notes if "G68.2 without G53.1" in note.text}
+    assert sum(found.values()) == len(lines)
+    assert list(found) == lines[:1]
+
+
 @pytest.mark.parametrize("feed", ["F0", "F0.", "G93 F0"])
 def test_a_cut_at_feed_zero_is_refused(tmp_path: Path, feed: str) -> None:
     with pytest.raises(InputError, match="line 4: a cut with the feed zero"):

@@ -127,6 +127,7 @@ class _Reader:
     def end(self) -> None:
         """Nothing may be left open."""
         self._motion.splines.none_open()
+        self._frames.end()
 
     def survey(self, listed: list[Block]) -> None:
         """What the whole file says of single blocks."""
