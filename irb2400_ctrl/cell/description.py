@@ -172,15 +172,6 @@ class CellTool(Table):
     shapes: tuple[Shape, ...] = Field(min_length=1)
     """in the TCP frame at its own tip"""
 
-    @model_validator(mode="after")
-    def _behind_its_tip(self) -> Self:
-        if all(shape.place()[2, 3] > 0 for shape in self.shapes):
-            raise ValueError(
-                "shapes: all of the tool lies beyond its tip, at positive z, where the part is; z "
-                "points out of the spindle, expected negative z"
-            )
-        return self
-
 
 class Cell(Table):
     """The surroundings of an arm."""
@@ -214,6 +205,12 @@ class Cell(Table):
         numbers = [tool.number for tool in self.tools if tool.number is not None]
         again = sorted({number for number in numbers if numbers.count(number) > 1})
         problems += [f"two tools have the number {number}" for number in again]
+        beyond = [t.name for t in self.tools if all(s.place()[2, 3] > 0 for s in t.shapes)]
+        problems += [
+            f"tool {name}: all of it lies beyond its tip, at positive z, where the part is; z "
+            "points out of the spindle, expected negative z"
+            for name in beyond
+        ]
         placed = [thing.name for thing in self.things if thing.frame == "work_object"]
         if placed and self.work_object is None:
             problems.append(

@@ -88,7 +88,7 @@ def test_frames_turn_about_fixed_axes(tmp_path: Path) -> None:
         ),
         (
             'name = "a"\n' + TOOL.replace("[0, 0, 0]", "[0, 0, 0.5]"),
-            r"tools\[1\]: shapes: all of the tool lies beyond its tip.*expected negative z",
+            "tool NAME: all of it lies beyond its tip, .*expected negative z",
         ),
         (
             'name = "a"\n' + THING.format(shape=BOX).replace("role", 'frame="work_object"\nrole'),
