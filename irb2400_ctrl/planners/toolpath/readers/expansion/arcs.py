@@ -13,8 +13,8 @@ from irb2400_ctrl.errors import InputError
 SAME_PLACE = 1e-6
 # what sums, inches and turned coordinates leave of equal places; no file states so short an arc
 CALCULATED = 1e-10
-# the turn that GRBL takes for none, and LinuxCNC at twice as much: the last digit of the end [rad]
-NO_TURN = 5e-7
+# the turn that LinuxCNC takes for none, and GRBL at half as much: the last digit of the end [rad]
+NO_TURN = 1e-6
 # CAM writes three or four digits; both ends lie that far from the circle
 EXPECTED_MISS = 1e-5
 LARGEST_MISS = 5e-5
