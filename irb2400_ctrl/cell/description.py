@@ -205,6 +205,12 @@ class Cell(Table):
         numbers = [tool.number for tool in self.tools if tool.number is not None]
         again = sorted({number for number in numbers if numbers.count(number) > 1})
         problems += [f"two tools have the number {number}" for number in again]
+        beyond = [t.name for t in self.tools if all(s.place()[2, 3] > 0 for s in t.shapes)]
+        problems += [
+            f"tool {name}: all of it lies beyond its tip, at positive z, where the part is; z "
+            "points out of the spindle, expected negative z"
+            for name in beyond
+        ]
         placed = [thing.name for thing in self.things if thing.frame == "work_object"]
         if placed and self.work_object is None:
             problems.append(

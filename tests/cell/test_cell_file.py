@@ -87,6 +87,10 @@ def test_frames_turn_about_fixed_axes(tmp_path: Path) -> None:
             "two tools have the number 1",
         ),
         (
+            'name = "a"\n' + TOOL.replace("[0, 0, 0]", "[0, 0, 0.5]"),
+            "tool NAME: all of it lies beyond its tip, .*expected negative z",
+        ),
+        (
             'name = "a"\n' + THING.format(shape=BOX).replace("role", 'frame="work_object"\nrole'),
             r"box stands in the frame of the work object, but there is no \[work_object\]",
         ),

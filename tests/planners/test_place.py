@@ -104,6 +104,26 @@ def test_a_cell_is_kept_clear_and_its_work_object_moves(tmp_path: Path) -> None:
     assert not outlook([task], pose((860, 0, 700))).refused
 
 
+@pytest.mark.parametrize(("height", "refused"), [(2.0, ""), (30.0, ""), (-3.0, "collision")])
+def test_how_low_the_program_goes_over_its_part_says_nothing_of_a_place(
+    height: float, refused: str, tmp_path: Path
+) -> None:
+    """A rapid move 2 mm above the part was the worst margin of all places alike."""
+    pytest.importorskip("coal")
+    cell = load_cell(Path(__file__).parents[2] / "examples" / "cell" / "cell.toml")
+    file = tmp_path / "part.nc"
+    file.write_text(
+        f"G21 G90\nG0 X-20. Y30. Z40.\nG0 Z{height}\nG0 X60. Y30.\nG0 Z40.\nG1 Z41. F600.\n"
+    )
+    operation = read_program(file).operation()
+    task = task_of(ROBOT, operation, True, cell, "MILL_10").thinned(9, 12)
+    assert cell.work_frame is not None
+    found = outlook([task], cell.work_frame, None)
+    assert found.refused == refused
+    if not refused:
+        assert found.margins["clearance_mm"] > 10
+
+
 def test_no_place_in_the_area_is_said(part: Path) -> None:
     nowhere = Area(np.array([2.0, 2.0, 0.0]), np.array([2.1, 2.1, 0.1]), np.zeros(1), False)
     with pytest.raises(UnreachableError, match="no place in the area"):

@@ -11,6 +11,7 @@ import numpy.typing as npt
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.cell import Scene
 from irb2400_ctrl.errors import CollisionError
+from irb2400_ctrl.planners.clearance.room import room
 
 COMFORTABLE_CLEARANCE = 0.02
 """distance beyond which more of it is worth nothing [m]"""
@@ -57,13 +58,12 @@ class Crowd:
         at_feed = np.broadcast_to(cutting[:, None, None], shape)
         some = usable.any(axis=2)
         one = np.take_along_axis(q, usable.argmax(axis=2)[:, :, None, None], axis=2)[:, :, 0]
-        look = partial(scene.clearance, kept=scene.kept)
-        most = COMFORTABLE_CLEARANCE
+        look = partial(room, scene, most=COMFORTABLE_CLEARANCE)
         held = np.zeros(shape[:2])
-        held[some] = look(one[some], at_feed[some, 0], most, scene.carried)
+        held[some] = look(one[some], at_feed[some, 0], pairs=scene.carried)
         left = usable & (held > 0)[:, :, None]
         found = np.zeros(shape)
-        others = look(q[left], at_feed[left], most, ~scene.carried)
+        others = look(q[left], at_feed[left], pairs=~scene.carried)
         found[left] = np.minimum(np.broadcast_to(held[:, :, None], shape)[left], others)
         return cls(scene, cutting, found, external)
 
@@ -98,8 +98,8 @@ class Crowd:
         cutting = bool(self.cutting[station])
         q = np.hstack([q, np.tile(self.external[station], (len(q), 1))])
         at_feed = np.full(len(q), cutting)
-        room = self.scene.clearance(q, at_feed, np.inf, kept=self.scene.kept)
-        best = int(np.argmax(room))
+        left = self.scene.clearance(q, at_feed, np.inf, kept=self.scene.kept)
+        best = int(np.argmax(left))
         (first, other), distance, keep = self.scene.tightest(q[best], cutting)
         near = "touch" if distance <= 0 else f"are {1e3 * distance:.2f} mm apart"
         wanted = f", {1e3 * keep:g} mm are to be kept" if keep else ""

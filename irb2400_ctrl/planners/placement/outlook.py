@@ -17,6 +17,7 @@ from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.cell import Scene
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.planners.clearance.crowd import COMFORTABLE_CLEARANCE
+from irb2400_ctrl.planners.clearance.room import room
 from irb2400_ctrl.planners.placement.constant_ways import Ways, constant_ways
 from irb2400_ctrl.planners.placement.task import Task
 from irb2400_ctrl.planners.redundancy.choice import CLEARANCE_WORTH
@@ -151,15 +152,15 @@ def _best(
     order = _preferred(ways, None if load is None else load.deflection(task.model, ways.q))
     found: list[tuple[float, Outlook]] = []
     for k in order:
-        room = _room(task, scene, ways.q[k])
-        if room <= 0:
+        free = _room(task, scene, ways.q[k])
+        if free <= 0:
             continue
         margins = {name: float(values[k]) for name, values in ways.kinematic.items()}
         margins |= _forced(task, ways.q[k], load)
         if scene is not None:
-            margins["clearance_mm"] = 1e3 * room
+            margins["clearance_mm"] = 1e3 * free
         given = None if load is None else float(load.deflection(task.model, ways.q[k]).max())
-        near = CLEARANCE_WORTH * min(room / COMFORTABLE_CLEARANCE, 1.0)
+        near = CLEARANCE_WORTH * min(free / COMFORTABLE_CLEARANCE, 1.0)
         worth = round(min(margins["singularity"], COMFORTABLE) + near, 2)
         found.append((worth, Outlook(X_BW, margins, given)))
         if len(found) == _LOOKS:
@@ -198,8 +199,7 @@ def _room(task: Task, scene: Scene | None, q: Array) -> float:
     """Beside what is to be kept, at most the comfortable one [m]; without a scene all of it."""
     if scene is None:
         return COMFORTABLE_CLEARANCE
-    room = scene.clearance(q, task.cutting, COMFORTABLE_CLEARANCE, kept=scene.kept)
-    return float(room.min())
+    return float(room(scene, q, task.cutting, COMFORTABLE_CLEARANCE).min())
 
 
 def _joints(ladder: Ladder, way: LadderWay) -> Array:

@@ -17,6 +17,7 @@ from irb2400_ctrl.planners.toolpath.readers.csv_path import read_csv
 from irb2400_ctrl.planners.toolpath.readers.dialect import HEIDENHAIN, dialect
 from irb2400_ctrl.planners.toolpath.readers.feed import LENGTHS
 from irb2400_ctrl.planners.toolpath.readers.gcode.program import read_gcode
+from irb2400_ctrl.planners.toolpath.readers.gcode.rotary import Rotary
 from irb2400_ctrl.planners.toolpath.readers.heidenhain.program import read_heidenhain
 from irb2400_ctrl.planners.toolpath.readers.program_builder import (
     CHORD,
@@ -100,6 +101,9 @@ def read_program(
         raise InputError(f"units: found {units!r}, expected one of {', '.join(LENGTHS)}")
     if spindle_rpm is not None and not 0 < spindle_rpm < math.inf:
         raise InputError(f"spindle_rpm: found {spindle_rpm}, expected a positive speed [1/min]")
+    if rotary is not None:
+        # said of every language: a slip is none that waits for another file
+        Rotary.of(rotary)
     frames = named_frames(work_offsets)
     text = read_text(path)
     kind = dialect(text, path)

@@ -31,6 +31,23 @@ def test_rapid_and_a_motion_in_one_statement(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
+    ("behind", "said"), [("PARTNO B\nGOTO/20,0,0\nFINI\n", True), ("$$ done\n", False)]
+)
+def test_places_behind_the_end_are_said(tmp_path: Path, behind: str, said: bool) -> None:
+    found = program(tmp_path, f"{HEAD}GOTO/10,0,0\nFINI\n{behind}")
+    notes = {note.line for note in found.of_kind("assumed") if note.text.startswith("FINI/ ends")}
+    assert notes == ({5} if said else set())
+
+
+def test_rotary_axes_that_are_none_are_said_of_every_language(tmp_path: Path) -> None:
+    file = tmp_path / "part.apt"
+    file.write_text(f"{HEAD}GOTO/10,0,0\n")
+    assert read_program(file, rotary="C,A").operations
+    with pytest.raises(InputError, match="rotary: found 'Q', expected the rotary axes"):
+        read_program(file, rotary="Q")
+
+
+@pytest.mark.parametrize(
     "statement", ["TLLFT,GORGT/L1,PAST,L2", "TLRGT,GOFWD/C1", "TLON,GOFWD/C1", "TLON,GORGT/L1"]
 )
 def test_a_motion_behind_the_side_of_the_tool_is_not_lost(tmp_path: Path, statement: str) -> None:

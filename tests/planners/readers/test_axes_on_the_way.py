@@ -91,6 +91,76 @@ def test_from_where_a_vector_led_the_tool_it_goes_the_shortest_way(tmp_path: Pat
     np.testing.assert_allclose(axis[:, 2], [np.cos(np.radians(30.0)), 1.0, axis[-1, 2]])
 
 
+VECTORS = {
+    "TRAORI": ("TRAORI\nG0 X0. Y0. Z9. A3=0 B3=0.6 C3=0.8\n", "TRAFOOF\n", "a.mpf"),
+    "G43.5": ("G43.5 H1\nG0 X0. Y0. Z9. I0. J0.6 K0.8\n", "G49\nG49\n", "a.nc"),
+}
+AFTER = "G0 X0. Y0. Z9.\nG1 Z0.\nX9.\n"
+
+
+def last_axis(folder: Path, control: str, text: str) -> Array:
+    """Of a program that goes on after a cut with vectors."""
+    begin, end, name = VECTORS[control]
+    file = folder / name
+    file.write_text(f"G21 G90\nG0 X0. Y0. Z9.\n{begin}G1 Z0. F600.\nX5.\n{end}G0 Z99.\n{text}")
+    return np.asarray(read_program(file, rotary="C,A").operations[-1].path.axis)[-1]
+
+
+@pytest.mark.parametrize("control", VECTORS)
+@pytest.mark.parametrize("turned", ["G0 A0 C0", "G53 A0 C0", "G91 G28 A0 C0\nG90"])
+def test_a_tool_that_a_vector_turned_is_turned_back(
+    control: str, turned: str, tmp_path: Path
+) -> None:
+    """It stood as it was for all that came, and nothing was said."""
+    found = last_axis(tmp_path, control, f"{turned}\n{AFTER}")
+    np.testing.assert_allclose(found, [0.0, 0.0, 1.0])
+    with pytest.raises(InputError, match=r"line \d+: a cut behind the end of tool centre control"):
+        last_axis(tmp_path, control, AFTER)
+    # out of the part it goes as it stands, and so it does when tool centre control is on again
+    for text in ("", f"G43.4\n{AFTER}"):
+        np.testing.assert_allclose(last_axis(tmp_path, control, text), [0.0, 0.6, 0.8])
+
+
+@pytest.mark.parametrize(
+    ("begin", "ended"), [("G43.4 H1", True), ("G234 H1", True), ("M128", False)]
+)
+def test_a_length_alone_ends_the_control_of_its_kind(
+    begin: str, ended: bool, tmp_path: Path
+) -> None:
+    """G43 is of one group with G43.4; M128 goes on beside it."""
+    text = f"G21 G90\n{begin}\nG0 X0. Y0. Z9. A30. C0.\nG1 Z0. F600.\nG0 Z9.\nG43 H2\nG1 Z0.\n"
+    if not ended:
+        _, axis, _ = path(tmp_path, text)
+        np.testing.assert_allclose(axis[-1], [0.0, -0.5, np.sqrt(0.75)], atol=1e-9)
+        return
+    with pytest.raises(InputError, match="without tool centre control"):
+        path(tmp_path, text)
+
+
+@pytest.mark.parametrize(
+    ("plane", "tilt"), [('CYCLE800(0,"",0,57,0,0,0,0,30,0,0,0,0,-1)', 30.0), ("CYCLE800()", 0.0)]
+)
+def test_a_plane_turns_a_tool_that_a_vector_turned(plane: str, tilt: float, tmp_path: Path) -> None:
+    found = last_axis(tmp_path, "TRAORI", f"{plane}\n{AFTER}")
+    stands = np.radians(tilt)
+    np.testing.assert_allclose(found, [np.sin(stands), 0.0, np.cos(stands)], atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("orders", "steps"),
+    [
+        ("FUNCTION TCPM F TCP AXIS POS PATHCTRL VECTOR\n", 1),
+        ("FUNCTION TCPM F TCP AXIS POS PATHCTRL AXIS\n", 45),
+        ("FUNCTION TCPM F TCP AXIS POS PATHCTRL VECTOR\nFUNCTION RESET TCPM\nM128\n", 45),
+    ],
+)
+def test_whether_heidenhain_turns_evenly_is_stated(orders: str, steps: int, tmp_path: Path) -> None:
+    moves = "L X0 Y0 Z5 A30 C0 R0 FMAX\nL X9 A30 C90 F60\nEND PGM A MM\n"
+    _, axis, _ = path(tmp_path, f"BEGIN PGM A MM\n{orders}{moves}", "a.h")
+    assert len(axis) == 1 + steps
+    np.testing.assert_allclose(axis[-1], [0.5, 0.0, np.sqrt(0.75)], atol=1e-9)
+
+
 @pytest.mark.parametrize(
     ("before", "after", "count"),
     [

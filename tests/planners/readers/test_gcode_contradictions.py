@@ -80,6 +80,50 @@ def test_a_call_of_no_times_is_said(tmp_path: Path) -> None:
     assert "line 6: M98 P2 L0: the sub-program is called no times" in notes
 
 
+@pytest.mark.parametrize(
+    "both",
+    ["G90 G91", "G20 G21", "G71 G20", "G17 G18", "G94 G93", "G98 G99", "G90.1 G91.1"],
+)
+def test_two_codes_of_a_group_in_one_block_are_refused(tmp_path: Path, both: str) -> None:
+    first, second = sorted(both.split(), key=lambda code: float(code[1:]))
+    with pytest.raises(InputError, match=rf"line 4: found {first} and {second} in one block"):
+        way(tmp_path, f"{both} G1 X9. F600.")
+
+
+@pytest.mark.parametrize(
+    ("block", "says"),
+    [
+        ("G81 X5. Y5. Z-9. R2. F10.", r"line 5: G81 in inverse time \(G93\)"),
+        ("G5 X10. Y0. I2. J2. P-2. Q2.", "line 5: G93 .* needs F in every cutting block"),
+    ],
+)
+def test_what_has_no_time_of_its_own_in_inverse_time(tmp_path: Path, block: str, says: str) -> None:
+    with pytest.raises(InputError, match=says):
+        way(tmp_path, f"G93 G1 X5. F10.\n{block}")
+
+
+PLANE = "G68.2 X0. Y0. Z0. I0. J30. K0.\n"
+
+
+@pytest.mark.parametrize(
+    ("text", "lines"),
+    [
+        (f"{PLANE}G1 X9. F60.\nG69\n", [4]),
+        (f"{PLANE}G53.1\nG1 X9. F60.\nG69\n", []),
+        (f"G0 A30. C0.\n{PLANE}G0 X0. Y0. Z0.\nG1 X9. F60.\nG69\n", []),
+        (f"{PLANE}G1 X9. F60.\n{PLANE}G53.1\nG0 X5.\nG69\n{PLANE}G0 X1.\n", [4, 10]),
+        ("G68.2 X9. Y0. Z0. I0. J0. K45.\nG1 X9. F60.\nG69\n", []),
+    ],
+)
+def test_a_plane_that_nothing_turns_the_tool_to_is_said(
+    text: str, lines: list[int], tmp_path: Path
+) -> None:
+    notes = program(tmp_path, f"{HEAD}{text}M30\n", "C,A").of_kind("assumed")
+    found = {note.line: note.count for note in notes if "G68.2 without G53.1" in note.text}
+    assert sum(found.values()) == len(lines)
+    assert list(found) == lines[:1]
+
+
 @pytest.mark.parametrize("feed", ["F0", "F0.", "G93 F0"])
 def test_a_cut_at_feed_zero_is_refused(tmp_path: Path, feed: str) -> None:
     with pytest.raises(InputError, match="line 4: a cut with the feed zero"):

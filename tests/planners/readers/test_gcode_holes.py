@@ -218,6 +218,21 @@ def test_a_count_that_is_none_loses_no_hole(tmp_path: Path, words: str, says: st
         program(tmp_path, f"{HEAD}{words}\nX9\nG80\nM2\n")
 
 
+@pytest.mark.parametrize(
+    ("hole", "says"),
+    [
+        ("G83 X5. Z-9. R2. Q2. I4. J1. F60", "line 3: found I4 in the cycle G83"),
+        ("G81 X5. Z-9. R2. D3. F60", "line 3: found D3 in the cycle G81"),
+        ("G83 X5. Z-9. R2. Q0.0001 F60", "line 3: G83: a step of 0.0001 mm makes more than 10000"),
+    ],
+)
+def test_steps_that_are_not_carried_out_are_refused(tmp_path: Path, hole: str, says: str) -> None:
+    with pytest.raises(InputError, match=says):
+        program(tmp_path, f"{HEAD}{hole}\nG80\nM2\n")
+    # how fast a tap turns back moves it no further
+    assert heights(tmp_path, f"{HEAD}G84 X5. Z-9. R2. J2. F60\nG80\nM2\n")[-2:]
+
+
 def test_a_count_of_zero_only_keeps_the_words_and_is_said(tmp_path: Path) -> None:
     text = f"{HEAD}G81 X5 Y0 Z-5 R2 K0 F100\nX9\nG80\nM2\n"
     found = heights(tmp_path, text)

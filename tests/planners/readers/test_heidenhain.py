@@ -158,6 +158,19 @@ def test_tool_axes_with_tool_centre_control(tmp_path: Path) -> None:
         program(tmp_path, body)
 
 
+def test_without_an_axis_the_tool_stands_across_the_surface(tmp_path: Path) -> None:
+    across = "LN X+5 Y+0 Z+1 NX+0 NY+0.6 NZ+0.8 F60\n"
+    read = program(tmp_path, f"M128\n{across}")
+    found = read.operation().path.axis
+    assert found is not None
+    assert np.allclose(found[-1], [0, 0.6, 0.8])
+    assert "the tool stands across the surface" in " ".join(map(str, read.of_kind("assumed")))
+    # without tool centre control the control turns nothing
+    found = program(tmp_path, across).operation().path.axis
+    assert found is not None
+    assert np.allclose(found, [0, 0, 1])
+
+
 def test_what_ends_with_tool_centre_control(tmp_path: Path) -> None:
     space = "FUNCTION TCPM F TCP AXIS SPAT\nL Z+1 A+0 B+30 C+90 F60\nL A+0 B+0 C+0\n"
     body = f"{space}FUNCTION RESET TCPM\nM128\nL X+5 B+30 C+90\n"

@@ -35,6 +35,9 @@ def cut(tmp_path: Path, name: str, text: str) -> float:
         # sums and turned coordinates round
         ("G91\nX0.1\nX0.2\nG90\nG3 X10.3 Y0 I-10.3", 0.3 + 1.03 * CIRCLE),
         ("G68 X10 Y0 R33\nX10 Y0\nG3 X10 Y0 I-10 J0", CIRCLE),
+        # the last digit of six, which is no turn on any control
+        ("G3 X10 Y0.000009 I-10 J0", CIRCLE),
+        ("G3 X10 Y-0.000009 I-10 J0", CIRCLE),
         # beside the start only across the circle
         ("G3 X10.0005 Y0 I-10 J0", CIRCLE),
     ],

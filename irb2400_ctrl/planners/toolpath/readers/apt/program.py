@@ -60,6 +60,7 @@ def read_apt(
         motion.end()
     except InputError as error:
         builder.failed(error)
+    _behind_the_end(program, builder)
     return builder.finish(dialect, unit_of.name, unit_of.stated)
 
 
@@ -88,6 +89,19 @@ def _rest(builder: ProgramBuilder, statement: Statement) -> None:
         raise InputError(
             f"{builder.place}: unknown statement {word!r} ({shown}); expected APT/CLDATA such as "
             "GOTO/x,y,z,i,j,k"
+        )
+
+
+def _behind_the_end(program: list[Statement | UnreadLineError], builder: ProgramBuilder) -> None:
+    """Of several programs in one file it is said that all are carried out."""
+    read = [s for s in program if isinstance(s, Statement)]
+    ends = [s.line for s in read if s.word == "FINI"]
+    places = [s.line for s in read if s.word in {"GOTO", "GODLTA"}]
+    if ends and places and places[-1] > ends[0]:
+        builder.line = ends[0]
+        builder.note(
+            "assumed",
+            "FINI/ ends the program, and places follow: carried out as well, one after another",
         )
 
 

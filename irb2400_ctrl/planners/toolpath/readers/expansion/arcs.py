@@ -13,6 +13,8 @@ from irb2400_ctrl.errors import InputError
 SAME_PLACE = 1e-6
 # what sums, inches and turned coordinates leave of equal places; no file states so short an arc
 CALCULATED = 1e-10
+# the turn that LinuxCNC takes for none, and GRBL at half as much: the last digit of the end [rad]
+NO_TURN = 1e-6
 # CAM writes three or four digits; both ends lie that far from the circle
 EXPECTED_MISS = 1e-5
 LARGEST_MISS = 5e-5
@@ -113,7 +115,8 @@ def sweep(arc: Arc, start: Array, end: Array) -> float:
     b, _ = _split(arc, end)
     n = arc.normal / np.linalg.norm(arc.normal)
     angle = math.atan2(float(n @ np.cross(a, b)), float(a @ b))
-    closed = abs(angle) * float(np.linalg.norm(a)) <= arc.closes
+    closes = max(arc.closes, NO_TURN * float(np.linalg.norm(a)))
+    closed = abs(angle) * float(np.linalg.norm(a)) <= closes
     angle = 2 * math.pi if closed else angle % (2 * math.pi)
     return angle + 2 * math.pi * (arc.turns - 1)
 

@@ -39,6 +39,11 @@ OPTIONAL = re.compile(r"/\s*(?:[1-9](?=\s*(?:[A-Z]|$)))?\s*")
 EXTENDED = (TO_ANGLE, "CR", "TURN", "RPL", "A3", "B3", "C3", "IAC", "JAC", "KAC", *BY_ITSELF)
 # $: which spindle, or torch (LinuxCNC)
 LETTERS = frozenset([*"ABCDFGHIJKLMNPQRSTXYZ$", *EXTENDED])
+# what holds until another of the same group: two of them in one block contradict each other
+MODAL = tuple(
+    frozenset(map(float, group.split()))
+    for group in ("17 18 19", "20 21 70 71 700 710", "90 91", "90.1 91.1", "93 94 95", "98 99")
+)
 STATED_ONCE = frozenset("XYZABCIJKRQFST")
 EXTENDED_WORD = re.compile(rf"\s*({'|'.join(EXTENDED)})\s*=\s*{NUMBER}")
 SUBPROGRAM = re.compile(r"^\s*O\s*<|^\s*O\d+\s+(SUB|CALL|IF|WHILE|REPEAT|DO|ENDSUB)")
@@ -145,6 +150,13 @@ class Block:
                     "block, expected one of them (two lines run together?)"
                 )
         codes = set(self.codes("G"))
+        for group in MODAL:
+            if len(codes & group) > 1:
+                first, second = sorted(codes & group)[:2]
+                raise InputError(
+                    f"{place}: found G{first:g} and G{second:g} in one block, which contradict "
+                    "each other; expected one of them"
+                )
         if codes & {70, 71} and not codes & {0, 1, 2, 3} and set("IJKLPQRU") & set(values):
             raise InputError(
                 f"{place}: G70 and G71 with such words are cycles (Haas, Fanuc), which are not "

@@ -26,6 +26,8 @@ CYCLES = {
     88: "bore",
     89: "bore",
 }
+# words besides: the way aside of fine boring, how fast the tap turns back (Haas)
+_AND_MORE = {**dict.fromkeys(map(float, CYCLES), ""), 76: "IJ", 74: "J", 84: "J"}
 MOST_REPEATS = 10_000
 NOT_CARRIED_OUT = {
     "CYCLE84": "the spindle is not turned the other way for the way out",
@@ -55,6 +57,12 @@ class GcodeCycles:
         place = builder.place
         if state.plane != 17:
             raise InputError(f"{place}: G{motion:g} in the plane G{state.plane}, expected G17")
+        if state.feed_mode == 93:
+            raise InputError(
+                f"{place}: G{motion:g} in inverse time (G93), which states the time of one move; "
+                "expected G94 or G95 before the cycle"
+            )
+        self._refuse_other_words(motion, values)
         if "ZIC" in values or "ZAC" in values:
             raise InputError(f"{place}: Z=IC(…) or Z=AC(…) in a cycle is not read; expected Z")
         if motion == 76:
@@ -81,6 +89,21 @@ class GcodeCycles:
             )
         for _ in range(repeats):
             self._one_hole(motion, values)
+
+    def _refuse_other_words(self, motion: float, values: dict[str, float]) -> None:
+        """I and J shape the steps of a deep hole on some controls.
+
+        Raises:
+            InputError: there is one that no one carries out.
+        """
+        idle = [letter for letter in "IJD" if letter in values and letter not in _AND_MORE[motion]]
+        if idle:
+            raise InputError(
+                f"{self._builder.place}: found {idle[0]}{values[idle[0]]:g} in the cycle "
+                f"G{motion:g}, where it is not read (steps that become smaller on controls of "
+                "Haas, others elsewhere); expected X, Y, Z, R, P, Q, F, or moves that the CAM "
+                "system has written out"
+            )
 
     def _repeats(self, motion: float, values: dict[str, float]) -> int:
         """L or K: how many holes a block makes, one where neither is stated.

@@ -26,6 +26,8 @@ class GcodeFrames:
         self._state = state
         self._shifted: set[str] = set()
         """axes of which G52 or G92 moved the zero"""
+        self._unturned = 0
+        """line of a tilted plane that no G53.1 has turned the tool to"""
 
     def run(
         self, codes: list[float], values: dict[str, float], words: tuple[str, ...] = ()
@@ -36,7 +38,10 @@ class GcodeFrames:
             if word in PROGRAMMED:
                 self._programmed(word, values)
                 return True
+        if 53.1 in codes:
+            self._unturned = 0
         if 69 in codes:
+            self.end()
             state.reframe(plane_pose=np.eye(4), turned=np.eye(4))
             state.turned_by_file = False
         if {92.1, 92.2} & set(codes):
@@ -47,6 +52,20 @@ class GcodeFrames:
         for code in found:
             orders[code](values)
         return bool(found)
+
+    def end(self) -> None:
+        """A tilted plane is left: said where the file turns the tool to it in no way."""
+        builder = self._builder
+        if self._unturned and not self._state.turned_by_file:
+            line = builder.line
+            builder.line = self._unturned
+            builder.note(
+                "assumed",
+                "G68.2 without G53.1 behind it and without angles of the axes: the tool is taken "
+                "as turned to the plane, which a control does not do by itself",
+            )
+            builder.line = line
+        self._unturned = 0
 
     def _end_shift(self, named: set[str]) -> None:
         """G92.1, with the axes that it names (Fanuc).
@@ -69,7 +88,11 @@ class GcodeFrames:
             raise InputError(
                 f"{self._builder.place}: G68.2 P… is not read; expected X Y Z I J K (Euler angles)"
             )
-        self._state.reframe(plane_pose=tilted_plane(values, self._state.unit))
+        self.end()
+        X = tilted_plane(values, self._state.unit)
+        self._unturned = 0 if np.allclose(X[:3, 2], [0, 0, 1]) else self._builder.line
+        self._state.left_turned = False
+        self._state.reframe(plane_pose=X)
 
     def _turn(self, values: dict[str, float]) -> None:
         """G68 X Y R: coordinates turned in the plane about a point of it."""

@@ -205,9 +205,9 @@ class GcodeMachine:
         elif function in COOLANT:
             builder.set_coolant(COOLANT[function])
         elif function in {128, 129}:
-            self._state.tool_centre = function == 128
+            self._control_tool_centre(on=function == 128)
         elif function in {428, 429}:
-            self._state.tool_centre = function == 428
+            self._control_tool_centre(on=function == 428)
             builder.note("assumed", "M428 is tool centre control, M429 its end (LinuxCNC's demos)")
         elif function in SUBPROGRAMS:
             raise InputError(
@@ -222,9 +222,15 @@ class GcodeMachine:
         elif function not in {2, 6, 30, *STOPS}:
             builder.note("assumed", f"M{function}: a function of the machine, not carried out")
 
+    def _control_tool_centre(self, *, on: bool) -> None:
+        if on:
+            self._state.tool_centre = True
+        else:
+            self._state.end_tool_centre(self._builder.axis)
+
     def _order(self, order: str) -> None:
         if order in {"TRAORI", "TRAFOOF"}:
-            self._state.tool_centre = order == "TRAORI"
+            self._control_tool_centre(on=order == "TRAORI")
         elif order in {"ORIMKS", "ORIAXES", "ORIWKS", "ORIVECT", "ORIPLANE"}:
             self._state.evenly = order in {"ORIMKS", "ORIAXES"}
         elif order not in {"SUPA", *PROGRAMMED}:

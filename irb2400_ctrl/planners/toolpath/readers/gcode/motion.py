@@ -105,9 +105,9 @@ class GcodeMotion:
         """G0 with A, B, C only, without tool centre control: the table or the head stands otherwise
         then, and where the tool is in the part is not known."""
         state = self._state
-        before = dict(state.rotary)
+        before = (dict(state.rotary), state.left_turned)
         self._turn(values)
-        if state.rotary != before:
+        if (state.rotary, state.left_turned) != before:
             self._builder.note(
                 "assumed",
                 "G0 with A, B or C alone turns table or head; the robot goes on at the "
@@ -126,6 +126,7 @@ class GcodeMotion:
                 # under tool centre control angles are no way to a plane
                 state.turned_by_file = not state.tool_centre
                 state.rotary[letter] = before + values[letter]
+                state.left_turned = False
         if state.follows and set(ROTARY) & set(values):
             self._follow()
 
@@ -317,7 +318,7 @@ class GcodeMotion:
             self._agrees(state.plane_pose[:3, 2], stated=stated)
             return np.asarray(R[:, 2])
         if not turned:
-            return builder.axis if state.vectors else np.asarray(R[:, 2])
+            return builder.axis if state.vectors or state.left_turned else np.asarray(R[:, 2])
         if self._rotary is None:
             raise InputError(f"{builder.place}: {REFUSAL}")
         if not state.tool_centre:

@@ -24,7 +24,7 @@ from irb2400_ctrl.planners.toolpath.readers.gcode.frames import GcodeFrames
 from irb2400_ctrl.planners.toolpath.readers.gcode.machine import GcodeMachine
 from irb2400_ctrl.planners.toolpath.readers.gcode.macros.variables import Variables
 from irb2400_ctrl.planners.toolpath.readers.gcode.motion import GcodeMotion, moves
-from irb2400_ctrl.planners.toolpath.readers.gcode.rotary import Rotary
+from irb2400_ctrl.planners.toolpath.readers.gcode.rotary import LEFT_TURNED, Rotary
 from irb2400_ctrl.planners.toolpath.readers.gcode.splines import MODES as SPLINES
 from irb2400_ctrl.planners.toolpath.readers.gcode.state import AXES, ROTARY, GcodeState
 from irb2400_ctrl.planners.toolpath.readers.gcode.subprograms import in_order
@@ -127,6 +127,7 @@ class _Reader:
     def end(self) -> None:
         """Nothing may be left open."""
         self._motion.splines.none_open()
+        self._frames.end()
 
     def survey(self, listed: list[Block]) -> None:
         """What the whole file says of single blocks."""
@@ -235,12 +236,12 @@ class _Reader:
             95: lambda: self._feed_mode(95),
             98: lambda: setattr(state, "retract_to_start", True),
             99: lambda: setattr(state, "retract_to_start", False),
-            43: lambda: None,
-            43.1: lambda: None,
-            43.4: lambda: setattr(state, "tool_centre", True),
-            43.5: lambda: setattr(state, "vectors", True),
-            49: self._no_tool_centre,
-            234: lambda: setattr(state, "tool_centre", True),
+            43: lambda: state.end_by_length(self._builder.axis),
+            43.1: lambda: state.end_by_length(self._builder.axis),
+            43.4: state.begin_by_length,
+            43.5: lambda: state.begin_by_length(vectors=True),
+            49: lambda: state.end_tool_centre(self._builder.axis),
+            234: state.begin_by_length,
             254: lambda: self._motion.follow(True),
             255: lambda: self._motion.follow(False),
         }
@@ -267,10 +268,6 @@ class _Reader:
             else "G70 is taken for G20, lengths and feeds in inch. On a control of Siemens feeds "
             "stay in mm: if the file is for one, give it the ending .mpf; if not, --units inch",
         )
-
-    def _no_tool_centre(self) -> None:
-        self._state.tool_centre = False
-        self._state.vectors = False
 
     def _feed_mode(self, mode: int) -> None:
         if mode != self._state.feed_mode:
@@ -318,8 +315,9 @@ class _Reader:
         )
         builder.leave()
         state.lose({AXES[i] for i in named or range(3)})
-        for letter in set(ROTARY) & set(values):
-            state.rotary[letter] = values[letter] if 53 in codes else 0.0
+        if angles := set(ROTARY) & set(values):
+            state.rotary |= {name: values[name] if 53 in codes else 0.0 for name in angles}
+            state.left_turned = False
 
     def _set_motion(self, codes: list[float]) -> None:
         found = [code for code in codes if code in MOTION]
@@ -344,7 +342,9 @@ class _Reader:
     def _move(self, values: dict[str, float]) -> None:
         state = self._state
         builder = self._builder
-        if state.feed_mode == 93 and state.motion in {1, 2, 3} and "F" not in values:
+        if state.feed_mode == 93 and state.motion in {1, 2, 3, 5, 5.1} and "F" not in values:
             raise InputError(f"{builder.place}: G93 (inverse time) needs F in every cutting block")
+        if state.left_turned and state.motion != 0 and not state.tool_centre:
+            raise InputError(f"{builder.place}: {LEFT_TURNED}")
         self._offsets.used()
         self._motion.run(values)

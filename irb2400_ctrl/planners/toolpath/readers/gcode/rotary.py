@@ -31,6 +31,12 @@ UNCONTROLLED = (
     "of the tip in the part all the same (the control's own kinematics), put G43.4 before the moves"
 )
 
+LEFT_TURNED = (
+    "a cut behind the end of tool centre control (G49, TRAFOOF, M129), with the tool as a vector "
+    "had turned it: where its tip is then depends on the machine; expected the axes turned before "
+    "it (G0 A0 C0, CYCLE800, G68.2), or the cut under tool centre control"
+)
+
 
 @dataclass(frozen=True)
 class Rotary:

@@ -72,6 +72,10 @@ class GcodeState:
     the tool's axis goes the shortest way"""
     vectors: bool = False
     """I J K of a straight move are the tool axis (G43.5)"""
+    by_length: bool = False
+    """tool centre control is that of G43.4, G43.5 or G234, which G43 ends as well (Fanuc)"""
+    left_turned: bool = False
+    """tool centre control ended with the tool as a vector had turned it"""
     cycle: dict[str, float] = field(default_factory=dict)
     """words of the canned cycle in force; lengths in metres"""
     before_cycle: int | None = None
@@ -87,6 +91,25 @@ class GcodeState:
         """M3, M4: it turns at the speed in force, and at each that S states later."""
         self.turning = True
         self.clockwise = clockwise
+
+    def begin_by_length(self, *, vectors: bool = False) -> None:
+        """G43.4 and G234, or G43.5 with vectors."""
+        self.by_length = True
+        self.vectors |= vectors
+        self.tool_centre |= not vectors
+
+    def end_by_length(self, axis: Array) -> None:
+        """G43: the length alone; axis of the tool, shape (3,)."""
+        if self.by_length:
+            self.end_tool_centre(axis)
+
+    def end_tool_centre(self, axis: Array) -> None:
+        """G49, TRAFOOF, M129: head or table stand as they are; axis of the tool, shape (3,)."""
+        self.by_length = False
+        if self.vectors:
+            self.left_turned = not np.allclose(axis, self.tilt[:3, 2])
+        self.tool_centre = False
+        self.vectors = False
 
     @property
     def tilt(self) -> Array:

@@ -32,6 +32,7 @@ def swivel(arguments: tuple[str, ...], state: GcodeState, builder: ProgramBuilde
             the tool is not turned to.
     """
     place = f"{builder.place}, CYCLE800"
+    state.left_turned = False
     if arguments in {(), ("",)}:
         state.reframe(plane_pose=np.eye(4))
         state.turned_by_file = False

@@ -17,11 +17,10 @@ from irb2400_ctrl.planners.toolpath.readers.gcode.work_offsets import WorkOffset
 from irb2400_ctrl.planners.toolpath.readers.heidenhain.cycles import PlainCycles
 from irb2400_ctrl.planners.toolpath.readers.heidenhain.frames import PlainFrames
 from irb2400_ctrl.planners.toolpath.readers.heidenhain.machine import PlainMachine
-from irb2400_ctrl.planners.toolpath.readers.heidenhain.words import Words, words_of
+from irb2400_ctrl.planners.toolpath.readers.heidenhain.words import VECTOR, Words, words_of
 from irb2400_ctrl.planners.toolpath.readers.program_builder import ProgramBuilder
 
 CENTRES = dict(zip(AXES, ("IAC", "JAC", "KAC"), strict=True))
-VECTOR = dict(zip(("TX", "TY", "TZ"), ("A3", "B3", "C3"), strict=True))
 _POLAR = frozenset(("PR", "PA", "IPR", "IPA"))
 # what a block of this kind has not
 _ONLY_OTHERS = {
@@ -99,6 +98,7 @@ class PlainMotion:
         if state.vectors and not np.allclose(self._builder.axis, state.tilt[:3, 2]):
             self.frames.turned = False
         state.tool_centre = False
+        state.evenly = True
         state.vectors = False
 
     def call_at(self, code: str) -> None:
@@ -177,7 +177,9 @@ class PlainMotion:
     def _values(self, order: str, words: Words) -> dict[str, float]:
         """Places and axes in the words of the G-code reader."""
         place = self._builder.place
-        values: dict[str, float] = {}
+        values, across = words.tool_axis(order, tool_centre=self._state.tool_centre)
+        if across:
+            self._builder.note("assumed", across)
         for letter, number in words.numbers.items():
             step = letter.startswith("I")
             axis = letter[1:] if step else letter
@@ -187,8 +189,6 @@ class PlainMotion:
                 values[axis] = number
                 if step:
                     values[f"{axis}IC"] = 1.0
-            elif letter in VECTOR:
-                values[VECTOR[letter]] = number
             elif axis in "UVW":
                 raise InputError(f"{place}: found the axis {axis}, which is not read")
         if order in {"CP", "LP"}:

@@ -235,6 +235,7 @@ class _Reader:
                     "whose radius the control knows; expected those of the tip"
                 )
             state.tool_centre = True
+            state.evenly = re.search(r"PATHCTRL\s+VECTOR", code) is None
             # angles in space turn about the fixed axes x, y, z
             space = re.search(r"AXIS\s+SPAT", code)
             self._motion.motion.steer(Rotary.of("C,B,A") if space else self._rotary)

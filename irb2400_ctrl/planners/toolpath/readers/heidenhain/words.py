@@ -17,6 +17,13 @@ _WORD = re.compile(
 _OWNERS = frozenset([103, 120, 128, 140])
 # how far the handwheel may move the axes behind M118
 _HANDWHEEL = frozenset("XYZABC")
+# the tool's axis in the words of the G-code reader: as stated, or the normal of the surface
+VECTOR = dict(zip(("TX", "TY", "TZ"), ("A3", "B3", "C3"), strict=True))
+NORMAL = dict(zip(("NX", "NY", "NZ"), VECTOR.values(), strict=True))
+ACROSS = (
+    "LN without TX, TY, TZ under tool centre control: the tool stands across the surface, along "
+    "NX, NY, NZ"
+)
 
 
 @dataclass
@@ -37,6 +44,16 @@ class Words:
     """M"""
     retreat: float | None = None
     """of M140: how far, inf for as far as the machine can [mm]"""
+
+    def tool_axis(self, order: str, *, tool_centre: bool) -> tuple[dict[str, float], str]:
+        """What leads the tool's axis, in the words of the G-code reader, and what is to be said of
+        it. An LN without TX, TY, TZ keeps the tool across the surface under tool centre control
+        (Heidenhain, TNC 640 User's Manual, "Face milling")."""
+        stated = VECTOR.keys() & self.numbers.keys()
+        across = order == "LN" and tool_centre and not stated
+        found = NORMAL if across else VECTOR
+        values = {name: self.numbers[key] for key, name in found.items() if key in self.numbers}
+        return values, ACROSS if across and values else ""
 
 
 def words_of(code: str, place: str) -> Words:
