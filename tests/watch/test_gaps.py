@@ -16,6 +16,7 @@ import irb2400_ctrl as irb
 from irb2400_ctrl.cli.main import app
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.measurement import Log, growing, write_log
+from irb2400_ctrl.report.pages.watch_page import _with_gaps
 from irb2400_ctrl.watch import Watch
 from irb2400_ctrl.watch.watch import between, part
 
@@ -52,6 +53,9 @@ def test_what_was_not_recorded_is_not_watched(log: Log, by: float, at_once: bool
     assert (times < PAUSE + 1).sum() == 8
     assert not any(seen.alarms for seen in watch.seen)
     assert watch.summary()["watched_s"] == len(times)
+    # no line of the report leads over it
+    drawn, energy = _with_gaps(times.tolist(), [seen.energy for seen in watch.seen])
+    assert drawn[np.isnan(energy).all(axis=1)] == pytest.approx([PAUSE + 0.5])
 
 
 def test_a_joint_that_stands_is_not_learned_and_nothing_is_warned_of(log: Log) -> None:
