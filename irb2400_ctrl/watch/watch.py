@@ -177,6 +177,11 @@ class Watch:
         count = np.maximum(np.isfinite(torque).sum(axis=0), 1)
         return np.where(shown, 3.0 * np.sqrt(np.nansum(torque**2, axis=0) / count), np.nan)
 
+    @property
+    def silent(self) -> bool:
+        """Whether no joint has said anything since the learned stretch: the arm stood."""
+        return not any(np.isfinite(seen.energy).any() for seen in self.seen)
+
     def lately(self, seconds: float = LEARN) -> Log:
         """The last of the samples that came, at most so many [s]."""
         return between(_joined(self._samples), self.until - seconds, np.inf)

@@ -69,8 +69,9 @@ def test_a_joint_that_stands_is_not_learned_and_nothing_is_warned_of(log: Log) -
     assert np.isfinite(watch.band[:5]).all()
 
 
-def run(*words: object) -> tuple[int, str, BaseException | None]:
-    found = CliRunner().invoke(app, ["watch", *map(str, words), "--learn", "20", "--no-suspect"])
+def run(*words: object, learn: int = 20) -> tuple[int, str, BaseException | None]:
+    given = ["watch", *map(str, words), "--learn", str(learn), "--no-suspect"]
+    found = CliRunner().invoke(app, given)
     return found.exit_code, found.output, found.exception
 
 
@@ -86,6 +87,22 @@ def test_a_log_that_ends_on_a_whole_second(
     code, says, error = run(path, *(["--speed", speed] if speed else []))
     assert (code, error) == (0, None), says
     assert "watched 9 s: no alarms" in says
+
+
+def test_of_an_arm_that_stands_nothing_is_said(log: Log, tmp_path: Path) -> None:
+    """It was said to be as it was, friction and load as they were learned."""
+    stop = int(np.searchsorted(log.time, 21.0))
+    rows = np.minimum(np.arange(len(log.time)), stop)
+    path = tmp_path / "log.csv"
+    write_log(Log(log.time, log.q[rows], log.tau[rows], name="stands"), path)
+    # seconds that show the last of the motion are cut off with the learned ones
+    _, says, error = run(path, "--out", tmp_path / "out", learn=22)
+    assert error is None
+    assert "nothing is known of the arm" in says
+    assert "as they were learned" not in says
+    page = (tmp_path / "out" / "report.html").read_text()
+    assert "nothing is known of the arm" in page
+    assert "The arm is as it was" not in page
 
 
 def test_what_was_seen_is_kept_where_the_log_is_cut(

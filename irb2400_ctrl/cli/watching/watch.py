@@ -250,7 +250,10 @@ def _ended(watched: Watch, suspicions: list[Suspicion], log: str, out: Path | No
     facts["suspicions"] = [one.to_json() for one in suspicions]
     summary = Summary(facts)
     count = len(facts["alarms"])
-    print(drifted(watched.seen[-1].tracked))
+    if watched.silent:
+        print("no joint has moved enough since the learned seconds: nothing is known of the arm")
+    else:
+        print(drifted(watched.seen[-1].tracked))
     print(f"watched {facts['watched_s']:.0f} s: {count or 'no'} alarm{'s' * (count != 1)}")
     if out is None:
         return summary

@@ -31,8 +31,8 @@ def watch_page(
     alarms = [alarm for seen in watched.seen for alarm in seen.alarms]
     hours = len(watched.seen) / 3600.0
     page.answer(
-        _sentence(alarms, suspicions) if alarms else "The arm is as it was at the log's beginning.",
-        "bad" if alarms else "good",
+        _sentence(watched, alarms, suspicions),
+        "bad" if alarms else "note" if watched.silent else "good",
         [
             ("learned", f"{watched.learn:.0f} s"),
             ("watched", f"{hours:.2f} h" if hours > 1 else f"{len(watched.seen)} s"),
@@ -55,7 +55,11 @@ def watch_page(
     return page
 
 
-def _sentence(alarms: Sequence[Alarm], suspicions: Sequence[Suspicion]) -> str:
+def _sentence(watched: Watch, alarms: Sequence[Alarm], suspicions: Sequence[Suspicion]) -> str:
+    if watched.silent:
+        return "No joint has moved enough since the learned seconds: nothing is known of the arm."
+    if not alarms:
+        return "The arm is as it was at the log's beginning."
     if not suspicions:
         return f"The arm changed at about {alarms[0].since:.0f} s (joint {alarms[0].joint})."
     first = suspicions[0]
