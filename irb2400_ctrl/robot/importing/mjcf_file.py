@@ -63,7 +63,7 @@ def read_mjcf(path: Path, root: ET.Element) -> Tree:
     of_masses: list[str] = []
     frames = Frames(path, classes, partial(orientation, unit=unit, eulerseq=reader.eulers))
     for world in worlds:
-        frames.open(world)
+        frames.dissolve(world)
     reader.made = made_masses(path, root, settings, of_masses)
     reader.bodies = {str(body.get("name")) for body in root.iter("body")}
     reader.hinges = {str(joint.get("name")) for joint in root.iter("joint")}

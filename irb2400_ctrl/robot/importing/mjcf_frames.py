@@ -22,7 +22,7 @@ _MADE = ("replicate", "attach", "composite", "flexcomp")
 
 @dataclass(frozen=True)
 class Frames:
-    """Opens the frames of a file.
+    """Takes the frames of a file away.
 
     Args:
         path: of the file, for messages.
@@ -34,7 +34,7 @@ class Frames:
     classes: Defaults
     turned: Callable[[Mapping[str, str], Numbers], Array]
 
-    def open(self, parent: ET.Element, kind: str = "main") -> None:
+    def dissolve(self, parent: ET.Element, kind: str = "main") -> None:
         """Put the contents of the frames of a body, or of the world, into it.
 
         Args:
@@ -65,7 +65,7 @@ class Frames:
             X = around @ self._pose(child.attrib)
             return [inner for one in child for inner in self._out(parent, one, within, X)]
         if tag == "body":
-            self.open(child, child.get("childclass", kind))
+            self.dissolve(child, child.get("childclass", kind))
         if X is not None:
             self._place(child, kind, X)
         return [child]
