@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import sys
 from enum import StrEnum
 from typing import TYPE_CHECKING, Annotated, Any, Literal
@@ -150,8 +151,24 @@ def _block(
             if remark:
                 print(f"irb2400: {remark}", file=sys.stderr)
         block = build(sample_time)
+        if with_guards:
+            _say_blind(robot)
         return guarded(block, robot) if with_guards else block
     unknown = sorted(set(wishes) - {"bandwidth"})
     if unknown:
         raise InputError(f"{OBSERVER}: found {', '.join(unknown)}; it has bandwidth only")
     return momentum_observer(robot, sample_time, **wishes)
+
+
+def _say_blind(robot: Robot) -> None:
+    """Of which joints the guard cannot tell that motion and torque disagree."""
+    blind = [
+        j.name for j, tau in zip(robot.joints, robot.tau_bound, strict=True) if tau == math.inf
+    ]
+    if blind:
+        print(
+            f"irb2400: torque limit of {', '.join(blind)} is unknown: the guard sees no torque "
+            "there that its motion does not explain; state limits.torque_Nm, or set "
+            "unexplained_limit in the package's table",
+            file=sys.stderr,
+        )

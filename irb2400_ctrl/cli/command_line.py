@@ -47,10 +47,28 @@ def command_line() -> str:
 
 def read_files() -> list[Path]:
     """Files that the command line names and that are there."""
+    return [v for v in _values() if isinstance(v, Path) and v.is_file()]
+
+
+def inputs() -> list[Path]:
+    """The same with those that may also be named otherwise (a robot)."""
+    return [Path(v) for v in _values() if isinstance(v, str | Path) and _is_file(v)]
+
+
+def _values() -> list[Any]:
+    """What was given, but for the place of the results."""
     context = answered.get()
-    values = [] if context is None else list(context.params.values())
-    flat = [v for value in values for v in (value if isinstance(value, list | tuple) else [value])]
-    return [v for v in flat if isinstance(v, Path) and v.is_file()]
+    params = {} if context is None else context.params
+    values = [value for name, value in params.items() if name != "out"]
+    return [v for value in values for v in (value if isinstance(value, list | tuple) else [value])]
+
+
+def _is_file(name: str | Path) -> bool:
+    try:
+        return Path(name).is_file()
+    # a word that no file can have for its name
+    except (OSError, ValueError):
+        return False
 
 
 def provenance(robot: Robot | None = None, **more: Any) -> Provenance:

@@ -22,7 +22,7 @@ from irb2400_ctrl.cli.options import (
     output_folder,
 )
 from irb2400_ctrl.cli.progress import step
-from irb2400_ctrl.cli.summary import Summary, answers
+from irb2400_ctrl.cli.summary import Summary, answers, writes
 
 if TYPE_CHECKING:
     from irb2400_ctrl.diagnosis import Diagnosis
@@ -68,6 +68,7 @@ ControllerOption = Annotated[
 
 
 @answers
+@writes("robot.toml")
 def diagnose(
     logs: LogsArgument,
     out: OutOption,

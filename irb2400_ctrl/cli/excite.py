@@ -10,10 +10,11 @@ import typer
 from irb2400_ctrl.cli.command_line import provenance
 from irb2400_ctrl.cli.options import OutOption, RobotOption, load_arm, motions_named, output_folder
 from irb2400_ctrl.cli.progress import step
-from irb2400_ctrl.cli.summary import Summary, answers
+from irb2400_ctrl.cli.summary import Summary, answers, writes
 
 
 @answers
+@writes("trajectory.csv")
 def excite(
     group: Annotated[
         str,

@@ -21,7 +21,7 @@ from irb2400_ctrl.cli.options import (
     output_folder,
 )
 from irb2400_ctrl.cli.progress import step
-from irb2400_ctrl.cli.summary import Summary, answers
+from irb2400_ctrl.cli.summary import Summary, answers, writes
 
 if TYPE_CHECKING:
     from irb2400_ctrl.robot import Body
@@ -44,6 +44,7 @@ LoadOption = Annotated[
 
 
 @answers
+@writes("robot.toml")
 def identify(
     logs: LogsArgument,
     out: OutOption,

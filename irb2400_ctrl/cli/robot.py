@@ -120,7 +120,7 @@ def export(
 
     from irb2400_ctrl.model.consistency import LEAST_MASS_KG, project, with_masses
     from irb2400_ctrl.robot import load_robot
-    from irb2400_ctrl.robot.mjcf_export import save_mjcf
+    from irb2400_ctrl.robot.mjcf_export import left_out, save_mjcf
     from irb2400_ctrl.robot.urdf_export import save_urdf
 
     arm = load_robot(robot)
@@ -128,9 +128,9 @@ def export(
     written = weighed if as_is else project(weighed, EXPORT_MARGIN)[0]
     for line in arm.assumptions():
         print(line)
-    left_out = sorted({effect.kind for effect in arm.effects})
-    if left_out:
-        print(f"left out, the format has no place for them: {', '.join(left_out)}")
+    effects = left_out(arm) if format == "mjcf" else sorted({one.kind for one in arm.effects})
+    if effects:
+        print(f"left out, the format has no place for them: {', '.join(effects)}")
     print("left out, the format has no place for it: static friction and its transition speed")
     if format == "mjcf":
         print("left out, the format has no place for them: speed limits")
@@ -156,7 +156,7 @@ def export(
         "name": arm.name,
         "format": format,
         "assumptions": arm.assumptions(),
-        "effects_left_out": left_out,
+        "effects_left_out": effects,
         "mass_data_moved": written != weighed,
         "massless_bodies": bare,
     }

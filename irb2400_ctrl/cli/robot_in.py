@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from irb2400_ctrl.cli.summary import Summary, answers
+
+if TYPE_CHECKING:
+    from irb2400_ctrl.robot.importing import Payload
 
 RobotFile = Annotated[
     Path, typer.Option("--out", metavar="ARM.toml", help="The robot file to write.")
@@ -31,8 +34,8 @@ def import_(
     ] = None,
     payload_kg: Annotated[float | None, typer.Option(help="Load on the flange.", min=0.0)] = None,
     payload_com_mm: Annotated[
-        str, typer.Option(metavar="X,Y,Z", help="Its centre of mass in the flange frame.")
-    ] = "0,0,0",
+        str | None, typer.Option(metavar="X,Y,Z", help="Its centre of mass in the flange frame.")
+    ] = None,
     convention: Annotated[
         str | None, typer.Option(help="Of a DH table: standard or modified.")
     ] = None,
@@ -50,18 +53,17 @@ def import_(
     from irb2400_ctrl.cell import with_kept_apart
     from irb2400_ctrl.model.plausibility import plausibility
     from irb2400_ctrl.robot import save_robot
-    from irb2400_ctrl.robot.importing import Payload, import_robot
+    from irb2400_ctrl.robot.importing import import_robot
 
-    terms = [_numbers("--coupling", text) for text in coupling or []]
+    terms = [_coupling(text) for text in coupling or []]
     if parallelogram:
-        terms.append((3.0, 2.0, -1.0))
-    x, y, z = (value / 1e3 for value in _numbers("--payload-com-mm", payload_com_mm))
+        terms.append((3, 2, -1.0))
     found = import_robot(
         path,
         base=base_link,
         tip=tool_link,
-        coupling=tuple((int(i), int(j), factor) for i, j, factor in terms),
-        payload=None if payload_kg is None else Payload(payload_kg, (x, y, z)),
+        coupling=tuple(terms),
+        payload=_payload(payload_kg, payload_com_mm),
         convention=convention,
         meshes=tuple(meshes or ()),
         outline=outline,
@@ -81,11 +83,28 @@ def new(out: RobotFile) -> Summary:
     """Write a commented template of a robot file; it loads as it is."""
     from importlib import resources
 
+    from irb2400_ctrl.errors import InputError
     from irb2400_ctrl.files import write_atomic
 
+    if out.exists():
+        raise InputError(
+            f"--out {out}: found it already, expected a new name: the template would replace it"
+        )
     text = (resources.files("irb2400_ctrl") / "robot" / "template.toml").read_text("utf-8")
     print(f"written: {write_atomic(out, text)}")
     return Summary({}, [out])
+
+
+def _payload(mass_kg: float | None, com_mm: str | None) -> Payload | None:
+    from irb2400_ctrl.errors import InputError
+    from irb2400_ctrl.robot.importing import Payload
+
+    if mass_kg is None and com_mm is not None:
+        raise InputError(
+            f"--payload-com-mm: found {com_mm!r} and no mass, expected --payload-kg beside it"
+        )
+    x, y, z = (value / 1e3 for value in _numbers("--payload-com-mm", com_mm or "0,0,0"))
+    return None if mass_kg is None else Payload(mass_kg, (x, y, z))
 
 
 def _numbers(option: str, text: str) -> tuple[float, float, float]:
@@ -96,3 +115,12 @@ def _numbers(option: str, text: str) -> tuple[float, float, float]:
     except ValueError as error:
         raise InputError(f"{option}: found {text!r}, expected three numbers a,b,c") from error
     return a, b, c
+
+
+def _coupling(text: str) -> tuple[int, int, float]:
+    from irb2400_ctrl.errors import InputError
+
+    i, j, factor = _numbers("--coupling", text)
+    if not (i.is_integer() and j.is_integer()):
+        raise InputError(f"--coupling: found {text!r}, expected the numbers of two joints first")
+    return int(i), int(j), factor

@@ -20,10 +20,11 @@ from irb2400_ctrl.cli.options import (
     robots_named,
 )
 from irb2400_ctrl.cli.progress import step
-from irb2400_ctrl.cli.summary import Summary, answers
+from irb2400_ctrl.cli.summary import Summary, answers, writes
 
 
 @answers
+@writes("log.csv")
 def simulate(
     trajectory: Annotated[
         Path, typer.Argument(metavar="TRAJECTORY", help="trajectory.csv of `irb2400 plan`.")

@@ -14,10 +14,11 @@ from typing import Annotated, Any
 
 import typer
 
-from irb2400_ctrl.cli.command_line import answered, read_files
+from irb2400_ctrl.cli.command_line import answered, inputs, read_files
 from irb2400_ctrl.cli.config import ConfigOption
 from irb2400_ctrl.cli.options import RobotOption, settings
 from irb2400_ctrl.cli.progress import Progress, shown_as
+from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.files import plain
 
 JsonOption = Annotated[
@@ -71,6 +72,17 @@ class Summary:
         return json.dumps(plain(told), allow_nan=False)
 
 
+def writes(*names: str) -> Callable[[Callable[..., Summary]], Callable[..., Summary]]:
+    """Says which files the verb writes into `--out` that a verb may also read: none of them is
+    replaced while it is read."""
+
+    def mark(verb: Callable[..., Summary]) -> Callable[..., Summary]:
+        verb.__dict__["results"] = names
+        return verb
+
+    return mark
+
+
 def answers(verb: Callable[..., Summary]) -> Callable[..., None]:
     """A command with the options that all have: `--json` (with it the lines that the verb prints
     go to stderr), `--config`, `--progress`; and `--set` where it takes a robot. What an earlier run
@@ -83,6 +95,7 @@ def answers(verb: Callable[..., Summary]) -> Callable[..., None]:
         settings.set(kwargs.pop("robot_settings", None) or [])
         del kwargs["config"]
         out = kwargs.get("out")
+        _spared(out, getattr(verb, "results", ()), inputs())
         before = _standing(out, read_files())
         stood = _standing(out)
         new = out is not None and not out.exists()
@@ -155,6 +168,19 @@ def _standing(out: Path | None, read: Iterable[Path] = ()) -> Standing:
         if files and not entry.name.startswith(".") and inputs.isdisjoint(files):
             found[entry.name] = frozenset((s.st_ino, s.st_mtime_ns) for s in map(Path.stat, files))
     return found
+
+
+def _spared(out: Path | None, names: Sequence[str], read: Sequence[Path]) -> None:
+    """Refuse to replace a file that the command reads."""
+    if out is None:
+        return
+    written = {(out / name).resolve() for name in names} | {out.resolve()}
+    for path in read:
+        if path.resolve() in written:
+            raise InputError(
+                f"--out {out}: found {path}, which this command reads and would replace; expected "
+                "another place for the results"
+            )
 
 
 def _left_over(before: Standing, now: Standing) -> list[str]:

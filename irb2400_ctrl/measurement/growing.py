@@ -5,6 +5,7 @@ from __future__ import annotations
 import tempfile
 import time
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 
@@ -103,9 +104,7 @@ def _whole_lines(path: Path, start: int) -> bytes:
 
 def _head(path: Path, lines: bytes) -> bytes:
     """The lines above the first sample."""
-    with tempfile.TemporaryDirectory() as folder:
-        copy = Path(folder) / path.name
-        copy.write_bytes(lines)
+    with _as_file(path, lines) as copy:
         table = read_csv_table(copy)
     if table.headless:
         raise InputError(f"{path}: a log that grows needs a line of names above its samples")
@@ -119,7 +118,17 @@ def _head(path: Path, lines: bytes) -> bytes:
 
 def _parsed(path: Path, text: bytes, columns: Path | None, names: Sequence[str] | None) -> Log:
     """As if the lines were a file of their own."""
+    with _as_file(path, text) as copy:
+        return replace(read_log(copy, columns=columns, names=names), name=str(path))
+
+
+@contextmanager
+def _as_file(path: Path, text: bytes) -> Iterator[Path]:
+    """A file that holds these lines alone; what is wrong with them is said of the log."""
     with tempfile.TemporaryDirectory() as folder:
         copy = Path(folder) / path.name
         copy.write_bytes(text)
-        return replace(read_log(copy, columns=columns, names=names), name=str(path))
+        try:
+            yield copy
+        except InputError as error:
+            raise InputError(str(error).replace(str(copy), str(path))) from error

@@ -122,9 +122,14 @@ def bytes_from(path: Path, start: int) -> bytes:
     """What stands in a growing file from `start` on.
 
     Raises:
-        InputError: it became shorter.
+        InputError: it became shorter, or is gone.
     """
-    size = path.stat().st_size
+    try:
+        size = path.stat().st_size
+    except FileNotFoundError as error:
+        raise InputError(
+            f"{path}: found it gone, expected a file that only grows; watch the new file"
+        ) from error
     if size < start:
         raise InputError(
             f"{path}: found {size} bytes where {start} were, expected a file that only grows; "

@@ -54,7 +54,7 @@ def xml_root(path: Path, what: str) -> ET.Element:
             parser.ParseFile(file)
         return tree.close()
     except expat.ExpatError as error:
-        raise InputError(f"{path} is not XML: {error}") from error
+        raise InputError(f"{path} is not XML ({error}), expected {what}") from error
     # an encoding that nobody knows, or not as it is declared
     except (OSError, LookupError, ValueError) as error:
         raise InputError(f"{path} cannot be read ({error}), expected {what}") from error

@@ -49,6 +49,11 @@ def to_mjcf(robot: Robot) -> str:
     return "\n".join([*lines, "  </actuator>", "</mujoco>"]) + "\n"
 
 
+def left_out(robot: Robot) -> list[str]:
+    """Kinds of the robot's effects that have no place in MJCF; the inertia of a rotor has one."""
+    return sorted({effect.kind for effect in robot.effects if effect.motor_inertia is None})
+
+
 def _head(robot: Robot) -> str:
     notes = [f"Made from {robot.name}. {robot.source}"]
     if robot.coupled:
@@ -57,9 +62,8 @@ def _head(robot: Robot) -> str:
             "on several of them, and carry motor, damping, friction and range."
         )
     notes.append("Static friction and its transition speed (Stribeck) have no place in MJCF.")
-    if robot.effects:
-        kinds = ", ".join(sorted({effect.kind for effect in robot.effects}))
-        notes.append(f"Effects of the robot file that are left out: {kinds}.")
+    if left_out(robot):
+        notes.append(f"Effects of the robot file that are left out: {', '.join(left_out(robot))}.")
     notes += robot.assumptions()
     return escape("\n       ".join(notes)).replace("--", "-")
 
@@ -74,7 +78,7 @@ def _opened(robot: Robot, i: int, Q: Array) -> list[str]:
     pad = "    " + "  " * i
     joint = f'{pad}  <joint name="{exported_joints(robot)[i]}" type="hinge" axis="0 0 1"'
     if _alone(Q, i):
-        joint += f' range="{_words((robot.q_min[i], robot.q_max[i]))}"{_friction(robot, i)}'
+        joint += f' range="{_words((robot.q_min[i], robot.q_max[i]))}"{_of_actuator(robot, i)}'
     name = exported_name(link.name)
     lines = [
         f'{pad}<body name="{name}" pos="{_words(X[:3, 3])}" quat="{_words(quaternion(X))}">',
@@ -115,7 +119,7 @@ def _tendons(robot: Robot, Q: Array) -> list[str]:
         if _alone(Q, i):
             continue
         ends = _words((robot.q_min[i], robot.q_max[i]))
-        lines.append(f'    <fixed name="q{i + 1}" range="{ends}"{_friction(robot, i)}>')
+        lines.append(f'    <fixed name="q{i + 1}" range="{ends}"{_of_actuator(robot, i)}>')
         lines += [
             f'      <joint joint="{exported_joints(robot)[j]}" coef="{_words((Q[i, j],))}"/>'
             for j in np.flatnonzero(Q[i])
@@ -129,11 +133,14 @@ def _alone(Q: Array, i: int) -> bool:
     return bool((Q[i] == np.eye(len(Q))[i]).all())
 
 
-def _friction(robot: Robot, i: int) -> str:
+def _of_actuator(robot: Robot, i: int) -> str:
+    """Its friction and its rotor, where they are known."""
     _, coulomb, viscous, _ = robot.friction[i]
     _, coulomb_known, viscous_known, _ = robot.friction_known[i]
     text = f' damping="{_words((viscous,))}"' if viscous_known else ""
-    return text + (f' frictionloss="{_words((coulomb,))}"' if coulomb_known else "")
+    text += f' frictionloss="{_words((coulomb,))}"' if coulomb_known else ""
+    rotor = sum(e.motor_inertia or 0.0 for e in robot.effects if e.joint == i + 1)
+    return text + (f' armature="{_words((rotor,))}"' if rotor else "")
 
 
 def quaternion(X: Array) -> Array:

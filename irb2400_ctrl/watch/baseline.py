@@ -185,7 +185,11 @@ def _prepared(log: Log) -> PreparedLog:
 def _fitted(robot: Robot, bases: Bases, seen: _Seen) -> Numbers:
     calm = np.zeros_like(seen.motion.row_known)
     fit = Fitter(robot, bases, seen.motion, seen.Z, calm).fit([])
-    noise = tuple((one.a, float(1.0 / np.median(one.weight))) for one in fit.noise)
+    # a joint that stood all along has no rows
+    noise = tuple(
+        (one.a, float(1.0 / np.median(one.weight)) if one.weight.size else np.nan)
+        for one in fit.noise
+    )
     return Numbers(fit.z, fit.z_covariance, noise)
 
 

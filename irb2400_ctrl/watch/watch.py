@@ -28,6 +28,8 @@ SUSPECT = 20.0
 """[s] after a change that are diagnosed"""
 BESIDE = 40.0
 """[s] before it that are diagnosed with them"""
+FEW = 100
+"""samples, of which fewer say nothing"""
 
 
 @dataclass(frozen=True)
@@ -109,30 +111,36 @@ class Watch:
 
     def _work(self) -> Iterator[Seen]:
         """All blocks whose surroundings are there."""
-        assert self.baseline is not None
         while True:
-            last = self._samples[-1].time[-1] - AROUND
+            record = _joined(self._samples)
+            last = record.time[-1] - AROUND
+            if last > self._next:
+                # what was not recorded is not watched
+                came = record.time[np.searchsorted(record.time, self._next)]
+                self._next = max(self._next, float(came // BLOCK * BLOCK))
             count = min(int((last - self._next) / BLOCK), round(MOST_AT_ONCE / BLOCK))
             if count < 1:
                 return
             end = self._next + count * BLOCK
-            record = _joined(self._samples)
-            yield from self._judged(between(record, self._next - AROUND, end + AROUND), end)
+            rows = slice(*np.searchsorted(record.time, [self._next - AROUND, end + AROUND]))
+            if rows.stop - rows.start >= FEW:
+                yield from self._judged(part(record, rows), end)
             self._next = end
             # what a diagnosis may ask for stays
             oldest = end - SUSPECT - BESIDE - 2 * MOST_AT_ONCE
-            self._samples = [between(record, oldest, np.inf)]
+            first = min(int(np.searchsorted(record.time, oldest)), max(len(record.time) - FEW, 0))
+            self._samples = [part(record, slice(first, None))]
 
     def _judged(self, record: Log, end: float) -> Iterator[Seen]:
         assert self.baseline is not None
         assert self._cusum is not None
         assert self._tracker is not None
-        # a gap as long as this says nothing
-        if record.duration < 2 * AROUND or len(record.time) < 100:
+        if record.duration < 2 * AROUND:
             return
         found, joints = self.baseline.judged(record)
         for time, energy, torque in zip(found.time, found.energy, found.torque, strict=True):
-            if not self._next < time < end:
+            came = np.searchsorted(record.time, [time - BLOCK / 2, time + BLOCK / 2])
+            if not self._next < time < end or came[0] == came[1]:
                 continue
             alarms = self._cusum.add(float(time), energy, torque)
             tracked = self._tracker.add([white.block(time) for white in joints], alarms)
@@ -169,6 +177,11 @@ class Watch:
         count = np.maximum(np.isfinite(torque).sum(axis=0), 1)
         return np.where(shown, 3.0 * np.sqrt(np.nansum(torque**2, axis=0) / count), np.nan)
 
+    @property
+    def silent(self) -> bool:
+        """Whether no joint has said anything since the learned stretch: the arm stood."""
+        return not any(np.isfinite(seen.energy).any() for seen in self.seen)
+
     def lately(self, seconds: float = LEARN) -> Log:
         """The last of the samples that came, at most so many [s]."""
         return between(_joined(self._samples), self.until - seconds, np.inf)
@@ -204,7 +217,11 @@ def between(log: Log, start: float, end: float) -> Log:
         start: first time that counts [s].
         end: first time that does not [s].
     """
-    rows = slice(*np.searchsorted(log.time, [start, end]))
+    return part(log, slice(*np.searchsorted(log.time, [start, end])))
+
+
+def part(log: Log, rows: slice) -> Log:
+    """Some rows of a log, on a view of its arrays."""
     parts: dict[str, Any] = {
         name: None if (value := getattr(log, name)) is None else value[rows]
         for name in ("q", "tau", "q_ref")

@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
+import irb2400_ctrl as irb
 from irb2400_ctrl.cli.main import app
 from irb2400_ctrl.codegen.package import Package
 from irb2400_ctrl.errors import InputError
@@ -61,6 +62,23 @@ def test_guards_are_the_default_and_can_be_left_out(tmp_path: Path) -> None:
         assert codegen(tmp_path, "--controller", "gravity_pd", *asked) == 0
         assert ("{ 1 } };" in (tmp_path / "main.c").read_text()) == there
         assert guards(tmp_path) == there
+
+
+@pytest.mark.parametrize(("given", "blind"), [((), True), (("--bare",), False)])
+def test_a_guard_without_a_torque_limit_is_said_to_be_blind(
+    given: tuple[str, ...], blind: bool, tmp_path: Path
+) -> None:
+    """Its limit was 35 kNm, and nobody was told."""
+    robot = irb.load_robot("ur10e")
+    first, *others = robot.joints
+    free = first.model_copy(update={"limits": first.limits.model_copy(update={"torque_Nm": None})})
+    path = tmp_path / "arm.toml"
+    irb.save_robot(robot.model_copy(update={"joints": (free, *others)}), path)
+    words = ["codegen", "--controller", "pid", "--robot", str(path), *given, "--out"]
+    found = RUN.invoke(app, [*words, str(tmp_path / "c")])
+    assert found.exit_code == 0
+    says = f"torque limit of {first.name} is unknown: the guard sees no torque there"
+    assert (says in found.stderr) == blind
 
 
 def test_the_observer_can_be_had(tmp_path: Path) -> None:

@@ -13,6 +13,7 @@ from typer.testing import CliRunner
 
 import irb2400_ctrl as irb
 from irb2400_ctrl.cli.main import app
+from irb2400_ctrl.effects.rotor_inertia import RotorInertia
 from irb2400_ctrl.model.consistency import project, second_moments, with_masses
 from irb2400_ctrl.robot.exported_names import exported_joints
 from irb2400_ctrl.robot.importing import import_robot
@@ -50,6 +51,23 @@ def without_constraints(mujoco: Any, text: str) -> Any:
     model = mujoco.MjModel.from_xml_string(text)
     model.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_CONSTRAINT)
     return model
+
+
+@pytest.mark.parametrize("name", ["irb2400", "ur10e"])
+def test_rotors_of_the_robot_file_are_in_the_mjcf(name: str) -> None:
+    """They were named as left out, though an MJCF has a place for them and is read with them."""
+    mujoco = pytest.importorskip("mujoco")
+    plain = arm(name)
+    rotors = tuple(RotorInertia.of(j, inertia_kgm2=0.2 * j) for j in (2, 3, 5))
+    robot = plain.model_copy(update={"effects": rotors})
+    text = to_mjcf(robot)
+    assert "Effects of the robot file" not in text
+    own, bare = (without_constraints(mujoco, made) for made in (text, to_mjcf(plain)))
+    for q, qd, qdd in zip(*states(robot, 3), strict=True):
+        angles = robot.A @ q, robot.A @ qd, robot.A @ qdd
+        added = inverse(mujoco, own, *angles) - inverse(mujoco, bare, *angles)
+        rotor = np.array([0.0, 0.4, 0.6, 0.0, 1.0, 0.0]) * qdd
+        np.testing.assert_allclose(robot.A.T @ added, rotor, atol=1e-9)
 
 
 @pytest.mark.parametrize("name", NAMES)

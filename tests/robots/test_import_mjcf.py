@@ -12,7 +12,7 @@ from robots.imported import robot
 import irb2400_ctrl as irb
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.robot.importing import import_robot
-from irb2400_ctrl.robot.importing.mjcf_parts import torque_limits
+from irb2400_ctrl.robot.importing.mjcf_parts import Drive, drives
 from irb2400_ctrl.robot.mjcf_export import to_mjcf
 
 OWN = """<mujoco model="own">
@@ -132,8 +132,8 @@ def test_an_exported_arm_comes_back(tmp_path: Path) -> None:
         ("<worldbody>", "<include file='x.xml'/><worldbody>", "which is not beside it"),
         ('<inertial pos="0 0 0.1"', '<freejoint/><inertial pos="0 0 0.1"', "foot flies freely"),
         ('childclass="wrist"', 'childclass="hand"', "of class 'hand', which the file does not"),
-        ('<body name="foot"', '<frame><body/></frame><body name="foot"', "inside <frame>"),
-        ('<joint name="j1"', '<attach/><joint name="j1"', "inside <attach>"),
+        ('<body name="foot"', '<replicate><body/></replicate><body name="foot"', "<replicate> in"),
+        ('<joint name="j1"', '<attach/><joint name="j1"', "<attach> in shoulder is not read"),
         (
             '<inertial pos="0.1 0.02 0" mass="2" fullinertia="0.03 0.04 0.05 0.001 0.002 0.003"/>',
             '<geom size="-0.1"/>',
@@ -236,6 +236,6 @@ def test_limits_of_actuators_are_two_numbers(given: str, limit: float | str | No
     root = ET.fromstring(f'<m><actuator><motor joint="elbow" {given}/></actuator></m>')
     if isinstance(limit, str):
         with pytest.raises(InputError, match=limit):
-            torque_limits(root, {})
+            drives(root, {})
         return
-    assert torque_limits(root, {}).get("elbow") == limit
+    assert drives(root, {}).get("elbow", Drive()).limit == limit

@@ -52,13 +52,33 @@ def test_a_table_of_a_spreadsheet_is_the_same_arm(tmp_path: Path, separator: str
         ("\n-90,", "\n-1.5708,", "alpha is -1.5708 degrees, which looks like radians"),
         ("# convention: standard\n", "", "the convention is not stated"),
         ("# convention: standard", "# convention", "the convention is not stated"),
-        ("300", "three", "a is 'three', no number"),
+        ("300", "three", "a is 'three', expected a finite number"),
+        ("300", "nan", "row 2: a is 'nan', expected a finite number"),
+        (",-20,", ",1.5708,", "theta_offset is 1.5708 degrees, which looks like radians"),
+        ("theta_offset_deg", "theta_offset_rad", "theta_offset is 10 rad, more than a whole turn"),
+        ("100.5", "100,5", "found 12 cells under 11 names, .* decimal comma need semicolons"),
+        ("d_mm", "a_m", "column 'a_mm' is there twice, or in two units"),
+        ("iyy_kgm2", "ixx_kgm2", "column 'ixx_kgm2' is there twice"),
         (MASSES, MASSES.replace("mass_kg", "name"), "no mass_kg"),
     ],
 )
 def test_what_a_table_lacks_is_said(old: str, new: str, says: str, tmp_path: Path) -> None:
     with pytest.raises(InputError, match=says):
         imported(tmp_path, "a.csv", DH.replace(old, new))
+
+
+def test_a_table_that_went_through_a_spreadsheet_is_the_same_arm(tmp_path: Path) -> None:
+    """It fills lines up with separators and quotes them; people put spaces and capitals."""
+    plain = imported(tmp_path, "a.csv", DH)
+    text = DH.replace("# convention: standard", '"# Convention: Standard",,,,').replace(",", ", ")
+    found = imported(tmp_path, "a.csv", text)
+    assert found.links == plain.links
+
+
+def test_two_rows_of_one_name_are_refused(tmp_path: Path) -> None:
+    rows = DH.replace("izz_kgm2", "izz_kgm2,name").replace("0.1,0.1,0.1", "0.1,0.1,0.1,arm")
+    with pytest.raises(InputError, match="row 2: found a second 'arm', expected a name of its own"):
+        imported(tmp_path, "a.csv", rows)
 
 
 @pytest.mark.parametrize(

@@ -48,7 +48,7 @@ from irb2400_ctrl.cli.planning.rapid_out import (
     write_plan_module,
 )
 from irb2400_ctrl.cli.progress import step
-from irb2400_ctrl.cli.summary import Summary, answers
+from irb2400_ctrl.cli.summary import Summary, answers, writes
 from irb2400_ctrl.errors import UnreachableError
 
 if TYPE_CHECKING:
@@ -167,6 +167,7 @@ MapOption = Annotated[
 
 
 @answers
+@writes("trajectory.csv")
 def plan(
     path: PathArgument,
     out: OutOption,

@@ -127,7 +127,14 @@ def watch(
     name = streamed or reader.name(log)
     live = bool(streamed) or follow or speed is not None
     shown = _page_while_it_lasts(watched, name, out, every) if live and out else None
-    suspicions = _told(watched, pieces, suspect, every, shown)
+    suspicions: list[Suspicion] = []
+    try:
+        _told(watched, pieces, suspect, every, shown, suspicions)
+    except InputError:
+        # the log cannot be followed any further; what was seen of it is kept
+        if watched.seen:
+            _ended(watched, suspicions, name, out)
+        raise
     return _ended(watched, suspicions, name, out)
 
 
@@ -166,12 +173,25 @@ def _page_while_it_lasts(watched: Watch, log: str, out: Path, every: float) -> S
 
 
 def _told(
-    watched: Watch, pieces: Iterator[Log], suspect: bool, every: float, shown: Shown | None
-) -> list[Suspicion]:
-    """Say and show how things stand until the log ends or Ctrl-C; the suspicions."""
+    watched: Watch,
+    pieces: Iterator[Log],
+    suspect: bool,
+    every: float,
+    shown: Shown | None,
+    suspicions: list[Suspicion],
+) -> None:
+    """Say and show how things stand until the log ends or Ctrl-C.
+
+    Args:
+        watched: to be fed.
+        pieces: of the log.
+        suspect: whether alarms are diagnosed.
+        every: so often [s].
+        shown: writes the page.
+        suspicions: where they are put.
+    """
     from irb2400_ctrl.watch import Suspicion, followed
 
-    suspicions: list[Suspicion] = []
     lately: list[Seen] = []
     try:
         for told in followed(watched, pieces, suspect):
@@ -189,25 +209,29 @@ def _told(
                     shown(suspicions, bool(told.alarms))
     except KeyboardInterrupt:
         print("stopped")
-    return suspicions
 
 
 def _replayed(log: Path, reader: Reader, speed: float | None) -> Iterator[Log]:
     """A finished log piece by piece, at a speed or as fast as it is taken."""
-    from irb2400_ctrl.watch.watch import between
+    import numpy as np
+
+    from irb2400_ctrl.watch.watch import part
 
     with step(f"reading {log.name}") as say:
         whole = reader.read(log, say)
     length = AT_ONCE if speed is None else 1.0
     begun = time.monotonic()
-    start = whole.time[0]
-    while start <= whole.time[-1]:
-        piece = between(whole, start, start + length)
-        start += length
-        if len(piece.time) < 2:
-            continue
+    time_s = whole.time
+    first = 0
+    while first < len(time_s):
+        # a sample alone, before a gap or at the end, goes with those beside it
+        second = min(first + 1, len(time_s) - 1)
+        last = int(np.searchsorted(time_s, time_s[second] + length))
+        last = len(time_s) if len(time_s) - last < 2 else last
+        piece = part(whole, slice(first, last))
+        first = last
         if speed is not None:
-            due = (piece.time[-1] - whole.time[0]) / speed
+            due = (piece.time[-1] - time_s[0]) / speed
             time.sleep(max(0.0, due - (time.monotonic() - begun)))
         yield piece
 
@@ -226,7 +250,10 @@ def _ended(watched: Watch, suspicions: list[Suspicion], log: str, out: Path | No
     facts["suspicions"] = [one.to_json() for one in suspicions]
     summary = Summary(facts)
     count = len(facts["alarms"])
-    print(drifted(watched.seen[-1].tracked))
+    if watched.silent:
+        print("no joint has moved enough since the learned seconds: nothing is known of the arm")
+    else:
+        print(drifted(watched.seen[-1].tracked))
     print(f"watched {facts['watched_s']:.0f} s: {count or 'no'} alarm{'s' * (count != 1)}")
     if out is None:
         return summary

@@ -12,6 +12,7 @@ from irb2400_ctrl.report.elements.page import Page
 from irb2400_ctrl.report.elements.plots import Line, joint_plots, over_time
 from irb2400_ctrl.typed import typed
 from irb2400_ctrl.watch import Alarm, Suspicion, Watch
+from irb2400_ctrl.watch.baseline import BLOCK
 
 
 @typed
@@ -30,8 +31,8 @@ def watch_page(
     alarms = [alarm for seen in watched.seen for alarm in seen.alarms]
     hours = len(watched.seen) / 3600.0
     page.answer(
-        _sentence(alarms, suspicions) if alarms else "The arm is as it was at the log's beginning.",
-        "bad" if alarms else "good",
+        _sentence(watched, alarms, suspicions),
+        "bad" if alarms else "note" if watched.silent else "good",
         [
             ("learned", f"{watched.learn:.0f} s"),
             ("watched", f"{hours:.2f} h" if hours > 1 else f"{len(watched.seen)} s"),
@@ -54,7 +55,11 @@ def watch_page(
     return page
 
 
-def _sentence(alarms: Sequence[Alarm], suspicions: Sequence[Suspicion]) -> str:
+def _sentence(watched: Watch, alarms: Sequence[Alarm], suspicions: Sequence[Suspicion]) -> str:
+    if watched.silent:
+        return "No joint has moved enough since the learned seconds: nothing is known of the arm."
+    if not alarms:
+        return "The arm is as it was at the log's beginning."
     if not suspicions:
         return f"The arm changed at about {alarms[0].since:.0f} s (joint {alarms[0].joint})."
     first = suspicions[0]
@@ -64,10 +69,12 @@ def _sentence(alarms: Sequence[Alarm], suspicions: Sequence[Suspicion]) -> str:
 def _add_course(page: Page, watched: Watch, last: float) -> None:
     """Residual, external torque and the evidence for an alarm over time."""
     shown = [seen for seen in watched.seen if seen.time > watched.until - last]
-    time = np.array([seen.time for seen in shown])
-    energy = np.array([seen.energy for seen in shown])
-    torque = np.array([seen.torque for seen in shown])
-    sums = np.array([seen.sums for seen in shown])
+    time, energy, torque, sums = _with_gaps(
+        [seen.time for seen in shown],
+        [seen.energy for seen in shown],
+        [seen.torque for seen in shown],
+        [seen.sums for seen in shown],
+    )
     one = np.ones(watched.robot.n)
     page.heading("What the model leaves of the torques")
     drawn = joint_plots(
@@ -101,11 +108,21 @@ def _add_course(page: Page, watched: Watch, last: float) -> None:
     )
 
 
+def _with_gaps(time: Sequence[float], *values: Sequence[Array]) -> list[Array]:
+    """Times and values with a hole where nothing was recorded, so that no line leads over it."""
+    at = np.array(time)
+    holes = np.flatnonzero(np.diff(at) > 1.5 * BLOCK) + 1
+    filled = [np.insert(np.array(one), holes, np.nan, axis=0) for one in values]
+    return [np.insert(at, holes, at[holes - 1] + BLOCK), *filled]
+
+
 def _add_tracked(page: Page, watched: Watch, last: float) -> None:
     """Friction of each joint and the load, each within its band; over time of a finished log."""
-    time = np.array([seen.time for seen in watched.seen])
-    values = np.array([seen.tracked.values for seen in watched.seen])
-    bands = np.array([seen.tracked.bands for seen in watched.seen])
+    time, values, bands = _with_gaps(
+        [seen.time for seen in watched.seen],
+        [seen.tracked.values for seen in watched.seen],
+        [seen.tracked.bands for seen in watched.seen],
+    )
     n = watched.robot.n
     page.heading("What drifts")
     page.table(

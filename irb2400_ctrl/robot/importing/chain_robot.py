@@ -138,9 +138,10 @@ def _gravity(tree: Tree, base: str, notes: list[str]) -> dict[str, Any]:
         upright = "what carries the base"
         along = ", ".join(f"{v:.4g}" for v in gravity)
         notes.append(f"link {base} is mounted turned: gravity is [{along}] m/s2 in its frame")
+    source = f"assumption: {upright} stands upright; the file does not say"
     return {
         "gravity_m_s2": gravity.tolist(),
-        "gravity_source": f"assumption: {upright} stands upright; the file does not say",
+        "gravity_source": "the imported file" if tree.gravity_stated else source,
     }
 
 

@@ -59,9 +59,12 @@ class _Row:
             text = (self.cells.get(name + unit) or "").strip()
             if text:
                 try:
-                    return factor * float(text)
-                except ValueError as error:
-                    raise InputError(f"{self.where}: {name} is {text!r}, no number") from error
+                    value = float(text)
+                except ValueError:
+                    value = np.nan
+                if not np.isfinite(value):
+                    raise InputError(f"{self.where}: {name} is {text!r}, expected a finite number")
+                return factor * value
         return None
 
     def need(self, name: str, units: str) -> float:
@@ -79,29 +82,30 @@ def read_dh(path: Path, convention: str | None) -> Tree:
     """
     text, separator = _text(path)
     lines = text.splitlines()
-    comments = [line.lstrip("# ").strip() for line in lines if line.startswith("#")]
+    # a sheet's program fills the line up with separators
+    comments = [line.strip('"#,;\t ') for line in lines if line.startswith(("#", '"#'))]
     named = [c.partition(":")[2].strip() for c in comments if c.lower().startswith("convention")]
-    convention = convention or (named[0] if named else None)
+    convention = (convention or (named[0] if named else "")).lower()
     if convention not in CONVENTIONS:
         raise InputError(
             f"{path}: the convention is {convention or 'not stated'}, expected standard or "
             "modified; write a line `# convention: standard` above the header or give --convention"
         )
-    table = csv.DictReader(
-        (line for line in lines if line.strip() and not line.startswith("#")), delimiter=separator
-    )
-    _known(path, [name for name in table.fieldnames or [] if name])
-    rows = [_Row(f"{path}, row {k}", cells) for k, cells in enumerate(table, 1)]
+    rows = _rows(path, [line for line in lines if not line.startswith(("#", '"#'))], separator)
     links: dict[str, Mass | None] = {"base": None}
     joints = []
     parent = "base"
     before = np.eye(4)
     for k, row in enumerate(rows, 1):
         name = (row.cells.get("name") or f"link_{k}").strip()
+        if name in links or name == "tool0":
+            raise InputError(
+                f"{row.where}: found a second {name!r}, expected a name of its own for every row"
+            )
         fixed = name == "flange"
         if fixed:
             _moves_nothing(row)
-        offset = row.get("theta_offset") or 0.0
+        offset = _angle(row, "theta_offset", row.get("theta_offset") or 0.0)
         step = _step(row, convention)
         at, after = (before, step) if convention == "standard" else (before @ step, np.eye(4))
         X = at @ _turn(2, offset)
@@ -137,9 +141,32 @@ def _text(path: Path) -> tuple[str, str]:
     return re.sub(r"(?<=\d),(?=\d)", ".", text), separator
 
 
+def _rows(path: Path, lines: list[str], separator: str) -> list[_Row]:
+    """The rows below the header.
+
+    Raises:
+        InputError: a column that is not known or is there twice, a row that is longer.
+    """
+    cells = [[c.strip() for c in row] for row in csv.reader(lines, delimiter=separator)]
+    header, *rows = [row for row in cells if any(row)] or [[]]
+    _known(path, [name for name in header if name])
+    found = []
+    for k, row in enumerate(rows, 1):
+        if any(row[len(header) :]):
+            raise InputError(
+                f"{path}, row {k}: found {len(row)} cells under {len(header)} names, expected one "
+                "under each; numbers with a decimal comma need semicolons between them"
+            )
+        found.append(_Row(f"{path}, row {k}", dict(zip(header, row, strict=False))))
+    return found
+
+
 def _known(path: Path, names: list[str]) -> None:
     """Refuse columns that would be left out in silence."""
-    for name in names:
+    said = [re.sub(f"({'|'.join(_UNITS)})$", "", name) for name in names]
+    for name, quantity in zip(names, said, strict=True):
+        if said.count(quantity) > 1:
+            raise InputError(f"{path}: column {name!r} is there twice, or in two units")
         if any(name.strip() == key + unit for key, units in _COLUMNS.items() for unit in units):
             continue
         units = _COLUMNS.get(name.strip())
@@ -171,22 +198,28 @@ def _joint(row: _Row, name: str, kind: str, parent: str, child: str, X: Array) -
 def _step(row: _Row, convention: str) -> Array:
     """Trans_z(d) Trans_x(a) Rot_x(alpha), after the turn; or Rot_x(alpha) Trans_x(a) Trans_z(d)
     before it, shape (4, 4)."""
-    alpha = row.need("alpha", "deg")
-    if abs(abs(np.degrees(alpha)) - np.pi / 2) < 1e-3 or abs(abs(np.degrees(alpha)) - np.pi) < 1e-3:
-        raise InputError(
-            f"{row.where}: alpha is {np.degrees(alpha):.5g} degrees, which looks like radians; "
-            "expected degrees under alpha_deg, or the name alpha_rad"
-        )
-    if abs(alpha) > 2 * np.pi:
-        raise InputError(
-            f"{row.where}: alpha is {alpha:.5g} rad, more than a whole turn; expected radians "
-            "under alpha_rad, or the name alpha_deg"
-        )
+    alpha = _angle(row, "alpha", row.need("alpha", "deg"))
     X = _turn(0, alpha)
     a = row.need("a", "mm")
     d = row.need("d", "mm")
     X[:3, 3] = (a, 0.0, d) if convention == "standard" else a * np.eye(3)[0] + d * X[:3, 2]
     return X
+
+
+def _angle(row: _Row, name: str, angle: float) -> float:
+    """The angle [rad], refused where it is right in the other unit alone."""
+    degrees = np.degrees(angle)
+    if min(abs(abs(degrees) - np.pi / 2), abs(abs(degrees) - np.pi)) < 1e-3:
+        raise InputError(
+            f"{row.where}: {name} is {degrees:.5g} degrees, which looks like radians; "
+            f"expected degrees under {name}_deg, or the name {name}_rad"
+        )
+    if abs(angle) > 2 * np.pi:
+        raise InputError(
+            f"{row.where}: {name} is {angle:.5g} rad, more than a whole turn; expected radians "
+            f"under {name}_rad, or the name {name}_deg"
+        )
+    return angle
 
 
 def _mass(row: _Row) -> Mass:

@@ -17,20 +17,29 @@ import numpy as np
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.robot.importing.geometry import Geometry
+from irb2400_ctrl.robot.importing.mjcf_frames import Frames
 from irb2400_ctrl.robot.importing.mjcf_geometry import geometry, mesh_assets
 from irb2400_ctrl.robot.importing.mjcf_masses import Made, made_masses
-from irb2400_ctrl.robot.importing.mjcf_orientation import orientation, turn
+from irb2400_ctrl.robot.importing.mjcf_orientation import orientation, over, turn
 from irb2400_ctrl.robot.importing.mjcf_parts import (
     Defaults,
+    Drive,
     Settings,
     defaults,
+    drives,
     spliced,
     stated_numbers,
-    torque_limits,
 )
 from irb2400_ctrl.robot.importing.tree import Mass, Tree, TreeJoint, inverse, pose
 
 NOT_READ = ("tendon", "equality")
+SWITCHED = {
+    "gravity": "the weight of every link",
+    "damper": "damping",
+    "spring": "stiffness",
+    "frictionloss": "frictionloss",
+}
+"""flags of a simulation, and what they switch off"""
 
 
 def read_mjcf(path: Path, root: ET.Element) -> Tree:
@@ -49,19 +58,18 @@ def read_mjcf(path: Path, root: ET.Element) -> Tree:
     unit = 1.0 if settings.get("angle") == "radian" else np.pi / 180
     classes = defaults(root)
     reader = _Reader(path, unit, settings.get("eulerseq", "xyz"), classes)
-    reader.limits = torque_limits(root, classes)
+    reader.drives = drives(root, classes)
     reader.meshes = mesh_assets(root, classes, settings)
     of_masses: list[str] = []
+    frames = Frames(path, classes, partial(orientation, unit=unit, eulerseq=reader.eulers))
+    for world in worlds:
+        frames.dissolve(world)
     reader.made = made_masses(path, root, settings, of_masses)
+    reader.bodies = {str(body.get("name")) for body in root.iter("body")}
+    reader.hinges = {str(joint.get("name")) for joint in root.iter("joint")}
     for world in worlds:
         for body in world.findall("body"):
             reader.body(body, "world", "main")
-        for tag in ("frame", "replicate", "attach"):
-            if any(part.find(".//body") is not None or tag == "attach" for part in world.iter(tag)):
-                raise InputError(
-                    f"{path}: bodies inside <{tag}> are not read; save the file as MuJoCo "
-                    "understands it (mj_saveLastXML) and import that"
-                )
     if not reader.joints:
         raise InputError(
             f"{path}: found no body on a base"
@@ -70,18 +78,37 @@ def read_mjcf(path: Path, root: ET.Element) -> Tree:
         )
     notes = [f"<{tag}> is not read; state a coupling with --coupling" for tag in NOT_READ
              if root.find(tag) is not None]  # fmt: skip
-    notes += of_masses
+    notes += [*of_masses, *reader.notes]
     notes += [f"body {name} flies freely: it is left out" for name in reader.free]
     light = [str(b.get("name")) for b in root.iter("body") if b.get("gravcomp", "0") != "0"]
     notes += [f"link {name}: its weight acts on the motors here (gravcomp)" for name in light]
-    option = root.find("option")
-    gravity = (0.0, 0.0, -9.81)
-    if option is not None and option.get("gravity"):
-        x, y, z = stated_numbers(str(path), str(option.get("gravity")), 3)
-        gravity = (float(x), float(y), float(z))
+    gravity, of_options = _options(path, root)
+    notes += of_options
     name = root.get("model") or path.stem
     return Tree(name, f"imported from {path.name} (MJCF)", reader.links, tuple(reader.joints),
-                gravity, tuple(notes), reader.shapes, drawn=True)  # fmt: skip
+                gravity, True, tuple(notes), reader.shapes, drawn=True)  # fmt: skip
+
+
+def _options(path: Path, root: ET.Element) -> tuple[tuple[float, float, float], list[str]]:
+    """Gravity [m/s2], and what the file has its simulation leave out."""
+    stated: Settings = {}
+    for option in root.findall("option"):
+        stated |= option.attrib
+    x, y, z = stated_numbers(str(path), stated.get("gravity", "0 0 -9.81"), 3)
+    flags: Settings = {}
+    for flag in root.findall("option/flag"):
+        flags |= flag.attrib
+    notes = [
+        f"<flag {key}={flags[key]!r}/> is a setting of the simulation: {what} acts here"
+        for key, what in SWITCHED.items()
+        if flags.get(key) == "disable"
+    ]
+    if not (x or y or z):
+        notes.append(
+            "gravity is 0 0 0 in the file: no link has weight here; the robot file's gravity_m_s2 "
+            "says what it is where the arm stands"
+        )
+    return (float(x), float(y), float(z)), notes
 
 
 @dataclass
@@ -95,7 +122,12 @@ class _Reader:
     defaults: Defaults
     links: dict[str, Mass | None] = field(default_factory=lambda: {"world": None})
     joints: list[TreeJoint] = field(default_factory=list)
-    limits: dict[str, float] = field(default_factory=dict)
+    drives: dict[str, Drive] = field(default_factory=dict)
+    bodies: set[str] = field(default_factory=set)
+    """names that bodies have, those that were not reached yet included"""
+    hinges: set[str] = field(default_factory=set)
+    """the same of joints, and those that were made up"""
+    notes: list[str] = field(default_factory=list)
     free: list[str] = field(default_factory=list)
     made: Made = field(default_factory=dict)
     meshes: dict[str, Geometry] = field(default_factory=dict)
@@ -103,9 +135,9 @@ class _Reader:
 
     def body(self, element: ET.Element, parent: str, around: str) -> None:
         """One body, its joints and what hangs on it."""
-        name = element.get("name") or f"body_{len(self.links)}"
+        name = element.get("name") or self._link(f"body_{len(self.links)}")
         kind = element.get("childclass", around)
-        X = self._pose(element, name)
+        X = self._pose(element.attrib, name)
         hinges = element.findall("joint")
         if element.find("freejoint") is not None or "free" in {h.get("type") for h in hinges}:
             self.free.append(name)
@@ -113,7 +145,7 @@ class _Reader:
         here = np.eye(4)
         for k, hinge in enumerate(hinges):
             last = k == len(hinges) - 1
-            child = name if last else f"{name}_{k + 1}"
+            child = name if last else self._link(f"{name}_{k + 1}")
             settings = self._settings(hinge, kind)
             # the child's frame stands in the point of the joint, and turns about it
             at = pose(stated_numbers(name, settings.get("pos", "0 0 0"), 3), np.eye(3))
@@ -128,17 +160,28 @@ class _Reader:
             X = pose(np.zeros(3), turn(axis, -self.unit * ref)) @ inverse(at)
             here = X
         if not hinges:
-            self.joints.append(TreeJoint(f"{name}_mount", "fixed", parent, name, X, np.zeros(3)))
+            self._fix(f"{name}_mount", parent, name, X)
         self.links[name] = self._mass(element, name, here)
         self.shapes[name] = self._shapes(element, name, kind, here)
-        self._sites(element, name, here)
-        for inner in element.findall("body"):
+        self._sites(element, name, kind, here)
+        inside = element.findall("body")
+        if inside:
             # the frame of the body, seen from the frame in its joint's point
-            moved = f"{name}_frame"
-            if moved not in self.links:
-                self.links[moved] = None
-                self.joints.append(TreeJoint(moved, "fixed", name, moved, here, np.zeros(3)))
+            moved = self._link(f"{name}_frame")
+            self.links[moved] = None
+            self._fix(moved, name, moved, here)
+        for inner in inside:
             self.body(inner, moved, kind)
+
+    def _link(self, name: str) -> str:
+        """A name like this that no body and no link has."""
+        return _new(name, self.bodies | set(self.links))
+
+    def _fix(self, name: str, parent: str, child: str, X: Array) -> None:
+        """A fixed joint of a name that no joint has."""
+        name = _new(name, self.hinges)
+        self.hinges.add(name)
+        self.joints.append(TreeJoint(name, "fixed", parent, child, X, np.zeros(3)))
 
     def _settings(self, joint: ET.Element, kind: str) -> Settings:
         """Attributes of a joint, those of its class included.
@@ -154,21 +197,25 @@ class _Reader:
             )
         return {**self.defaults[name].get("joint", {}), **joint.attrib}
 
-    def _sites(self, element: ET.Element, name: str, here: Array) -> None:
+    def _sites(self, element: ET.Element, name: str, kind: str, here: Array) -> None:
         for site in element.findall("site"):
             label = site.get("name")
-            if label and label not in self.links:
+            if label and label not in self.links and label not in self.bodies:
                 self.links[label] = None
-                X = here @ self._pose(site, label)
-                self.joints.append(TreeJoint(f"{label}_site", "fixed", name, label, X, np.zeros(3)))
+                of_class = self.defaults.get(site.get("class", kind), {}).get("site", {})
+                X = here @ self._pose(over(of_class, site.attrib), label)
+                self._fix(f"{label}_site", name, label, X)
 
     def _joint(self, settings: Settings, parent: str, child: str, X: Array) -> TreeJoint:
-        name = settings.get("name") or f"{child}_joint"
+        name = settings.get("name") or _new(f"{child}_joint", self.hinges)
+        self.hinges.add(name)
+        self.notes += _left_out(name, settings)
+        drive = self.drives.get(name, Drive())
         kind = {"hinge": "revolute", "slide": "prismatic"}.get(settings.get("type", "hinge"))
         ends = settings.get("range")
         limited = settings.get("limited", "auto") != "false"
         force = settings.get("actuatorfrcrange")
-        effort = self.limits.get(name)
+        effort = drive.limit
         if force:
             effort = float(np.abs(stated_numbers(name, force, 2)).min())
         low, high = self.unit * stated_numbers(name, ends, 2) if ends and limited else (0.0, 0.0)
@@ -181,9 +228,9 @@ class _Reader:
             stated_numbers(name, settings.get("axis", "0 0 1"), 3),
             range=(float(low), float(high)) if low < high else None,
             effort=effort,
-            damping=_first(settings.get("damping")),
+            damping=(_first(settings.get("damping")) or 0.0) + drive.damping or None,
             dry=_first(settings.get("frictionloss")),
-            armature=_first(settings.get("armature")),
+            armature=(_first(settings.get("armature")) or 0.0) + drive.armature or None,
             stiffness=_first(settings.get("stiffness")),
             rest=self.unit * (_first(settings.get("springref")) or 0.0),
         )
@@ -201,14 +248,14 @@ class _Reader:
             tensor = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
         else:
             tensor = np.diag(stated_numbers(name, inertial.get("diaginertia", "0 0 0"), 3))
-        return Mass(mass, np.zeros(3), tensor).seen_from(here @ self._pose(inertial, name))
+        return Mass(mass, np.zeros(3), tensor).seen_from(here @ self._pose(inertial.attrib, name))
 
     def _shapes(self, body: ET.Element, name: str, kind: str, here: Array) -> tuple[Geometry, ...]:
         """What the body collides with, or else looks like."""
         drawn = []
         for geom in body.findall("geom"):
             of_class = self.defaults.get(geom.get("class", kind), {}).get("geom", {})
-            drawn.append({**of_class, **geom.attrib})
+            drawn.append(over(of_class, geom.attrib))
         solid = [
             keys
             for keys in drawn
@@ -220,12 +267,37 @@ class _Reader:
                      eulerseq=self.eulers), self.meshes) for keys in solid or drawn
         )  # fmt: skip
 
-    def _pose(self, element: ET.Element, name: str) -> Array:
+    def _pose(self, keys: Settings, name: str) -> Array:
         try:
-            R = orientation(element.attrib, partial(stated_numbers, name), self.unit, self.eulers)
+            R = orientation(keys, partial(stated_numbers, name), self.unit, self.eulers)
         except InputError as error:
             raise InputError(f"{self.path}: {name}: {error}") from error
-        return pose(stated_numbers(name, element.get("pos", "0 0 0"), 3), R)
+        return pose(stated_numbers(name, keys.get("pos", "0 0 0"), 3), R)
+
+
+def _left_out(name: str, settings: Settings) -> list[str]:
+    """What a joint states and this library has no place for."""
+    notes = []
+    for key in ("damping", "stiffness"):
+        words = settings.get(key, "").split()
+        if len(words) > 1 and any(stated_numbers(name, " ".join(words), len(words))[1:]):
+            notes.append(
+                f"joint {name}: of {key} the first number is read, the one of the linear term"
+            )
+    springdamper = settings.get("springdamper", "0 0")
+    if all(stated_numbers(name, springdamper, 2) > 0):
+        notes.append(
+            f"joint {name}: springdamper is not read: neither its stiffness nor its damping acts "
+            "here; save the file as MuJoCo understands it (mj_saveLastXML) and import that"
+        )
+    return notes
+
+
+def _new(name: str, taken: set[str]) -> str:
+    """The name, lengthened until nothing has it."""
+    while name in taken:
+        name += "_"
+    return name
 
 
 def _first(text: str | None) -> float | None:

@@ -11,6 +11,14 @@ from irb2400_ctrl.errors import InputError
 
 Numbers = Callable[[str, int], Array]
 """(text, how many) -> numbers"""
+TURNS = ("quat", "euler", "axisangle", "xyaxes", "zaxis")
+
+
+def over(of_class: Mapping[str, str], own: Mapping[str, str]) -> dict[str, str]:
+    """Attributes of an element on top of those of its class: one orientation takes the place of
+    another, however they are written."""
+    turned = any(key in own for key in TURNS)
+    return {k: v for k, v in of_class.items() if not (turned and k in TURNS)} | dict(own)
 
 
 def orientation(keys: Mapping[str, str], numbers: Numbers, unit: float, eulerseq: str) -> Array:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import xml.etree.ElementTree as ET
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -14,8 +15,10 @@ Settings = dict[str, str]
 Defaults = dict[str, dict[str, Settings]]
 """class -> tag -> attributes"""
 
-ACTUATORS = ("motor", "position", "velocity", "intvelocity", "general")
-TAGS = ("joint", "geom", "mesh", *ACTUATORS)
+ACTUATORS = ("motor", "position", "velocity", "intvelocity", "general", "pid", "dcmotor")
+TAGS = ("joint", "geom", "site", "mesh", *ACTUATORS)
+_OF_ALL = {"forcerange", "gear", "armature", "damping"}
+"""attributes that the shortcuts for an actuator have in common"""
 _DEEPEST = 10
 
 
@@ -59,7 +62,7 @@ def defaults(root: ET.Element) -> Defaults:
             if own.tag in ACTUATORS:
                 for tag in ACTUATORS:
                     settings.setdefault(tag, {}).update(
-                        {k: v for k, v in own.attrib.items() if k in {"forcerange", "gear"}}
+                        {k: v for k, v in own.attrib.items() if k in _OF_ALL}
                     )
         found[name] = settings
         for inner in element.findall("default"):
@@ -70,14 +73,25 @@ def defaults(root: ET.Element) -> Defaults:
     return found
 
 
-def torque_limits(root: ET.Element, classes: Defaults) -> dict[str, float]:
-    """Torque limits that actuators put on joints [Nm]: `forcerange`, or the range of a motor, times
-    the gear.
+@dataclass(frozen=True)
+class Drive:
+    """What the actuators of a joint do to it beside moving it."""
+
+    limit: float | None = None
+    """largest torque, the range of a motor or `forcerange` times the gear [Nm]"""
+    armature: float = 0.0
+    """of the rotors, times the gear squared [kg m2]"""
+    damping: float = 0.0
+    """the same [Nm s/rad]"""
+
+
+def drives(root: ET.Element, classes: Defaults) -> dict[str, Drive]:
+    """What actuators do to joints, by the name of the joint.
 
     Raises:
         InputError: a range that is not two finite numbers, or a gear that is none.
     """
-    limits: dict[str, float] = {}
+    found: dict[str, Drive] = {}
     for actuator in root.findall("actuator/*"):
         tag = str(actuator.tag)
         joint = actuator.get("joint")
@@ -87,15 +101,23 @@ def torque_limits(root: ET.Element, classes: Defaults) -> dict[str, float]:
             **classes.get(actuator.get("class", "main"), {}).get(tag, {}),
             **actuator.attrib,
         }
+        where = f"actuator of {joint}"
+        gear = abs(_first_of(where, settings.get("gear", "1")))
+        before = found.get(joint, Drive())
+        limit = before.limit
         ends = settings.get("forcerange") or (settings.get("ctrlrange") if tag == "motor" else None)
         if ends and "inf" not in ends:  # an infinite range is none
-            where = f"actuator of {joint}"
-            least = float(np.abs(stated_numbers(where, ends, 2)).min())
-            first = [*settings.get("gear", "").split(), "1"][0]
-            gear = float(np.abs(stated_numbers(where, first, 1)[0]))
-            if least > 0.0:
-                limits[joint] = least * gear
-    return limits
+            limit = gear * float(np.abs(stated_numbers(where, ends, 2)).min()) or limit
+        found[joint] = Drive(
+            limit,
+            before.armature + gear**2 * _first_of(where, settings.get("armature", "0")),
+            before.damping + gear**2 * _first_of(where, settings.get("damping", "0")),
+        )
+    return found
+
+
+def _first_of(where: str, text: str) -> float:
+    return float(stated_numbers(where, [*text.split(), ""][0], 1)[0])
 
 
 def stated_numbers(where: str, text: str, count: int) -> Array:

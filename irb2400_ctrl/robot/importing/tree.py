@@ -85,6 +85,8 @@ class Tree:
     links: dict[str, Mass | None]
     joints: tuple[TreeJoint, ...]
     gravity: tuple[float, float, float] = (0.0, 0.0, -9.81)
+    gravity_stated: bool = False
+    """whether the file says it, not only which way is up"""
     notes: tuple[str, ...] = ()
     shapes: dict[str, tuple[Geometry, ...]] = field(default_factory=dict)
     """what the file draws on a link"""

@@ -1,0 +1,124 @@
+"""MJCF in: frames, names that two things share, several options, actuators with rotors."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import irb2400_ctrl as irb
+from irb2400_ctrl.robot.importing import import_robot
+
+BODY = '<inertial pos=".1 .02 .05" mass="3" diaginertia=".04 .05 .06"/>'
+ARM = f"""<mujoco><compiler angle="degree" eulerseq="XYZ"/>
+  <default><joint armature="0.01"/>
+    <default class="wrist"><joint damping="2" axis="1 0 0"/></default></default>
+  <worldbody><body name="b1" pos="0 0 .3"><joint name="j1" axis="0 1 0"/>{BODY}
+    <body name="b2" pos=".4 0 .1"><joint name="j2" axis="0 1 .3"/>{BODY}
+      <body name="b3" pos=".3 0 0"><joint name="j3" class="wrist"/>{BODY}
+        <site name="tcp" pos=".1 0 .2"/></body></body></body></worldbody>
+</mujoco>"""
+JOINT = '<joint name="j2" axis="0 1 .3"/>'
+SHAPE = '<geom type="box" size=".1 .05 .04" pos=".1 0 .1" mass="2" euler="10 0 0"/>'
+ROD = '<geom type="capsule" size=".03" fromto="0 0 0 .2 .1 .1"/>'
+FRAME = '<frame pos=".1 .2 .05" euler="30 10 -20">'
+MOTOR = '<actuator><motor joint="j1" gear="3" armature="0.5" damping="0.4"/></actuator></mujoco>'
+
+
+def worst(path: Path) -> float:
+    """Largest difference from MuJoCo, of torques [Nm] and of the tool's pose."""
+    mujoco = pytest.importorskip("mujoco")
+    arm = import_robot(path, outline=False).robot
+    model = irb.Model(arm)
+    engine = mujoco.MjModel.from_xml_path(str(path))
+    engine.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_CONSTRAINT)
+    data = mujoco.MjData(engine)
+    rng = np.random.default_rng(0)
+    off = [0.0]
+    for _ in range(5):
+        data.qpos[:], data.qvel[:], data.qacc[:] = rng.normal(0.0, 1.0, (3, 3))
+        mujoco.mj_inverse(engine, data)
+        tau = model.inverse_dynamics(data.qpos, data.qvel, data.qacc)
+        tcp = data.site("tcp")
+        X = model.tcp_pose(data.qpos)
+        off += [
+            np.abs(tau - data.qfrc_inverse).max(),
+            np.abs(X[:3, 3] - tcp.xpos).max(),
+            np.abs(X[:3, :3] - tcp.xmat.reshape(3, 3)).max(),
+        ]
+    return float(max(off))
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ("</mujoco>", "</mujoco>"),
+        # a frame puts what stands in it elsewhere
+        (JOINT, f"{FRAME}{JOINT}</frame>"),
+        ('<joint name="j3" class="wrist"/>', f'{FRAME[:-1]} childclass="wrist">{FRAME}'
+         '<joint name="j3"/></frame></frame>'),
+        ('<site name="tcp" pos=".1 0 .2"/>', f'{FRAME}<site name="tcp" pos="1 0 0"/></frame>'),
+        (f"{JOINT}{BODY}", f"{JOINT}{FRAME}{SHAPE}</frame>"),
+        (f"{JOINT}{BODY}", f"{JOINT}{SHAPE}{FRAME}{ROD}</frame>"),
+        (ARM[ARM.index('<body name="b2"') : ARM.index("</body></worldbody>")],
+         FRAME + ARM[ARM.index('<body name="b2"') : ARM.index("</body></worldbody>")] + "</frame>"),
+        # bodies, sites and joints have names of their own kinds
+        (JOINT, f'{JOINT}<site name="b3"/>'),
+        (JOINT, f'{JOINT}<site name="b1_frame"/>'),
+        ('"b3"', '"b1_frame"'),
+        ('"b3"', '"b2_frame"'),
+        # a class places a site as it does a geom
+        ("<default>", '<default><site euler="0 0 20"/>'),
+        # the last statement counts, wherever it stands
+        ("<worldbody>", '<option timestep="0.001"/><option gravity="1 0 -5"/><worldbody>'),
+        # a rotor that the actuator states
+        ("</mujoco>", MOTOR),
+    ],
+)  # fmt: skip
+def test_what_mujoco_makes_of_it(tmp_path: Path, old: str, new: str) -> None:
+    path = tmp_path / "arm.xml"
+    assert ARM.count(old) == 1
+    path.write_text(ARM.replace(old, new))
+    assert worst(path) < 1e-9
+
+
+def test_a_body_with_two_hinges_beside_one_of_the_name_it_would_get(tmp_path: Path) -> None:
+    path = tmp_path / "arm.xml"
+    text = ARM.replace('<joint name="j1" axis="0 1 0"/>', '<joint axis="0 1 0"/><joint name="k"/>')
+    path.write_text(text.replace('"b2"', '"b1_1"').replace('"j3"', '"b1_1_joint"'))
+    names = [joint.name for joint in import_robot(path).robot.joints]
+    assert names[1:] == ["k", "j2", "b1_1_joint"]
+    assert len(set(names)) == 4
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "says"),
+    [
+        (JOINT, '<joint name="j2" damping="1 2 3"/>', "joint j2: of damping the first number"),
+        (JOINT, '<joint name="j2" damping="1 0 0"/>', None),
+        (JOINT, '<joint name="j2" stiffness="9 1"/>', "joint j2: of stiffness the first number"),
+        (JOINT, '<joint name="j2" springdamper="0.1 1"/>', "joint j2: springdamper is not read"),
+        ("<worldbody>", '<option><flag gravity="disable"/></option><worldbody>',
+         "a setting of the simulation: the weight of every link acts here"),
+        ("<worldbody>", '<option><flag contact="disable"/></option><worldbody>', None),
+        ("<worldbody>", '<option gravity="0 0 0"/><worldbody>', "no link has weight here"),
+    ],
+)  # fmt: skip
+def test_what_has_no_place_here_is_said(
+    tmp_path: Path, old: str, new: str, says: str | None
+) -> None:
+    path = tmp_path / "arm.xml"
+    path.write_text(ARM)
+    plain = import_robot(path).notes
+    path.write_text(ARM.replace(old, new))
+    found = [note for note in import_robot(path).notes if note not in plain]
+    assert len(found) == (says is not None)
+    if says is not None:
+        assert says in found[0]
+
+
+def test_gravity_that_the_file_states_is_no_assumption(tmp_path: Path) -> None:
+    path = tmp_path / "arm.xml"
+    path.write_text(ARM)
+    assert "imported" in import_robot(path).robot.gravity_source
