@@ -17,6 +17,8 @@ TWICE = 2.0
 the logs disagree"""
 AGREEING = 1.5
 """the same up to which the others agree once one is left out"""
+ALIKE = "with one load, in one mounting, equally warm"
+"""what logs have to share"""
 FEWEST = 100
 """samples of a joint that counts"""
 LITTLE = 1e-3
@@ -46,14 +48,14 @@ def odd_logs(found: Fit, parts: Sequence[Recording]) -> list[str]:
     told = _told(parts, each, place, joint, float(worst[place, joint]))
     if len(parts) == 2:
         names = " and ".join(part.motion.name for part in parts)
-        return [f"{names} disagree: {told}; are both of this arm, with one load, in one mounting?"]
+        return [f"{names} disagree: {told}; are both of this arm, {ALIKE}?"]
     left = {k: _without(sums, blocks, each, k) for k in every}
     odd = min(left, key=lambda k: left[k])
     if left[odd] > AGREEING:
-        return [f"the logs disagree: {told}; are all of this arm, with one load, in one mounting?"]
+        return [f"the logs disagree: {told}; are all of this arm, {ALIKE}?"]
     return [
         f"{parts[odd].motion.name} does not belong to the other logs: {told}; without it the "
-        "others agree. Of another arm, load or mounting? Identify it apart"
+        "others agree. Of another arm, load, mounting or warmth? Identify it apart"
     ]
 
 

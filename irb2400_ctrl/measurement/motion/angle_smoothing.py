@@ -7,7 +7,8 @@ small). Of low-passes H the one is taken that leaves the least squared error of 
 
     sum over f of  (1 - H)^2 (S - N) + H^2 N,
 
-S its measured spectrum and N that of the noise: what is lost of the motion, and kept of the noise.
+S its measured spectrum where that is motion (above 2 N) and N that of the noise: what is lost of
+the motion, and kept of the noise.
 """
 
 from __future__ import annotations
@@ -36,6 +37,9 @@ SHORTEST = 1.0
 """[s] without a gap, of which a spectrum tells"""
 WIDTH = 1.0
 """[Hz] over which it is taken as even"""
+MORE = 2.0
+"""times the noise, from which a spectrum holds motion: as much of both; what scatters beside the
+noise at high frequencies would else count as such"""
 NOTHING = 1e-6
 """[rad/s2] what rounding makes"""
 CLEAN = 1e-3
@@ -91,7 +95,8 @@ def angle_smoothing(log: UniformLog, q: Array, even: Log) -> AngleSmoothing:
     cutoffs = np.array([SMOOTHING, *lower[LENGTH / lower < longest]])
     passed = np.array([_response(c, log.step, f) for c in cutoffs])
     kept = passed**2 @ noise
-    best = cutoffs[np.argmin((1.0 - passed) ** 2 @ (shown - noise) + kept, axis=0)]
+    motion = np.where(shown > MORE * noise, shown - noise, 0.0)
+    best = cutoffs[np.argmin((1.0 - passed) ** 2 @ motion + kept, axis=0)]
     clean = kept[0] < np.maximum(CLEAN**2 * (passed[0] ** 2 @ shown), NOTHING**2 / f[1])
     return replace(usual, cutoff=np.where(clean, SMOOTHING, best))
 
