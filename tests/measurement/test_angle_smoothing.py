@@ -68,7 +68,7 @@ def test_a_quick_motion_keeps_what_is_quick_in_it() -> None:
     found = angle_smoothing(grid, grid.q, log)
     assert found.cutoff[1] > 8.0
     assert found.cutoff[2] == SMOOTHING
-    assert found.cutoff[0] < 8.0
+    assert found.cutoff[0] < found.cutoff[1]
 
 
 def test_what_a_wide_window_makes_incomplete_is_not_known() -> None:
