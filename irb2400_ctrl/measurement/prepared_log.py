@@ -14,7 +14,7 @@ from irb2400_ctrl.arrays import Array, Mask
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.measurement.log import Log
 from irb2400_ctrl.measurement.motion.angle_smoothing import angle_smoothing
-from irb2400_ctrl.measurement.motion.commanded import used_angles
+from irb2400_ctrl.measurement.motion.commanded import BLEND, used_angles
 from irb2400_ctrl.measurement.motion.held_samples import released
 from irb2400_ctrl.measurement.motion.recorded_speed import calmer_speed
 from irb2400_ctrl.measurement.time_base import with_time_base
@@ -198,7 +198,10 @@ def prepare(log: Log, rate: float | None = None) -> PreparedLog:
     low_pass = LowPass(CUTOFF, uniform.step, np.inf if recorder is None else recorder.highest)
     if len(positions) < 4 * low_pass.half:
         raise InputError(f"{log.name}: found {log.duration:.2f} s of data, expected at least 2 s")
-    gap = _incomplete(uniform.valid, margin + reach)[inside]
+    valid = uniform.valid.copy()
+    # what is blended in from the measured angles has their noise
+    valid[: round(BLEND / uniform.step) if instrumented else 0] = False
+    gap = _incomplete(valid, margin + reach)[inside]
     still = _undetermined(uniform.tau[inside], qd, uniform.step, instrumented)
     determined = ~(still | gap[:, None])
     if not instrumented:

@@ -82,3 +82,14 @@ def test_what_a_wide_window_makes_incomplete_is_not_known() -> None:
     assert not known[(found.time > 8.85) & (found.time < 9.65)].any()
     assert known[moving].mean() > 0.6
     assert off(Log(log.time[kept], log.q[kept], log.tau[kept])).max() < 0.12
+
+
+def test_what_a_commanded_motion_begins_with_is_not_known() -> None:
+    """It is blended in from coarse angles, whose accelerations are noise: 3 rad/s2 were known."""
+    log = log_of(250.0, 4e-4)
+    t = np.asarray(log.time)
+    ahead = exact(t + 0.02)[0]
+    found = prepare(Log(t, log.q, log.tau, q_ref=ahead))
+    assert found.instrumented
+    wrong = (found.qdd - exact(found.time)[1])[found.known.any(axis=1)]
+    assert np.abs(wrong).max() < 0.5

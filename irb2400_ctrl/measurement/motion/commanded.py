@@ -10,6 +10,8 @@ from irb2400_ctrl.measurement.motion.angle_smoothing import white_on_grid
 from irb2400_ctrl.measurement.motion.servo import followed
 from irb2400_ctrl.measurement.uniform import UniformLog, derivative_margin, smoothed, widened
 
+BLEND = 0.2
+"""[s] at the start, over which the commanded motion, whose history is not known, is blended in"""
 LEFT_OF_NOISE = 1.0
 """smoothed over unsmoothed rms below which a difference is noise, at 250 Hz (white noise: 0.4)"""
 NOISE_RESERVE = 1.5
@@ -29,11 +31,11 @@ def used_angles(log: UniformLog, recorded: Log) -> tuple[Array, bool, tuple[int,
     difference = log.q - ideal
     smooth = smoothed(difference, log.step)
     good = ~widened(~log.valid, derivative_margin(log.step))
-    good[: round(0.2 / log.step)] = False
+    good[: round(BLEND / log.step)] = False
     noise = np.std((difference - smooth)[good], axis=0)
     # more than what white noise leaves after the smoothing is real motion
     real = np.std(smooth[good], axis=0) > _left_of_noise(log, recorded) * noise + 1e-7
-    start = round(0.2 / log.step)
+    start = round(BLEND / log.step)
     # the first samples have no history to be predicted from: blend from the measured angles
     ramp = np.clip(np.arange(len(ideal)) / start, 0.0, 1.0)[:, None]
     q = np.where(real, log.q, ideal + (1.0 - ramp) * difference)
