@@ -13,7 +13,7 @@ from scipy.ndimage import uniform_filter1d
 from irb2400_ctrl.arrays import Array, Mask
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.measurement.log import Log
-from irb2400_ctrl.measurement.motion.angle_smoothing import angle_smoothing
+from irb2400_ctrl.measurement.motion.angle_smoothing import AngleSmoothing, angle_smoothing
 from irb2400_ctrl.measurement.motion.commanded import BLEND, used_angles
 from irb2400_ctrl.measurement.motion.held_samples import released
 from irb2400_ctrl.measurement.motion.recorded_speed import calmer_speed
@@ -21,6 +21,7 @@ from irb2400_ctrl.measurement.time_base import with_time_base
 from irb2400_ctrl.measurement.torque_filter import TorqueFilter, find_torque_filter
 from irb2400_ctrl.measurement.uniform import (
     HALF_WINDOW,
+    SMOOTHING,
     LowPass,
     UniformLog,
     derivative_margin,
@@ -177,7 +178,7 @@ class PreparedLog:
 
 
 @typed
-def prepare(log: Log, rate: float | None = None) -> PreparedLog:
+def prepare(log: Log, rate: float | None = None, *, quiet: bool = False) -> PreparedLog:
     """Rebuild the time base of a log, resample, smooth and differentiate it.
 
     The motion is the commanded one through the fitted servo response where that explains the
@@ -186,11 +187,13 @@ def prepare(log: Log, rate: float | None = None) -> PreparedLog:
 
     Args:
         rate: of the grid [Hz]; default the log's own, but 200 to 250 Hz.
+        quiet: smooth measured angles as strongly as their noise asks (`angle_smoothing`), where
+            torques are compared as they stand; default alike, and torques go through the same.
     """
     even = with_time_base(log)
     uniform = resample(even, rate)
     q, instrumented, disobeying = used_angles(uniform, even)
-    parts, by_speed, reach = _derived(q, instrumented, even, uniform)
+    parts, by_speed, reach = _derived(q, instrumented, even, uniform, quiet)
     margin = derivative_margin(uniform.step)
     inside = slice(margin, len(q) - margin)
     positions, qd, qdd, qddd, qdddd = (part[inside] for part in parts)
@@ -200,7 +203,7 @@ def prepare(log: Log, rate: float | None = None) -> PreparedLog:
         raise InputError(f"{log.name}: found {log.duration:.2f} s of data, expected at least 2 s")
     valid = uniform.valid.copy()
     # what is blended in from the measured angles has their noise
-    valid[: round(BLEND / uniform.step) if instrumented else 0] = False
+    valid[: round(BLEND / uniform.step) if instrumented and quiet else 0] = False
     gap = _incomplete(valid, margin + reach)[inside]
     still = _undetermined(uniform.tau[inside], qd, uniform.step, instrumented)
     determined = ~(still | gap[:, None])
@@ -243,16 +246,23 @@ def prepare(log: Log, rate: float | None = None) -> PreparedLog:
 
 
 def _derived(
-    q: Array, instrumented: bool, recorded: Log, uniform: UniformLog
+    q: Array, instrumented: bool, recorded: Log, uniform: UniformLog, quiet: bool
 ) -> tuple[tuple[Array, ...], bool, int]:
     """q, qd, qdd, qddd, qdddd of a motion, whether all but q come from the recorded speed, and
-    samples that a stronger smoothing makes incomplete beside the usual ones."""
+    samples that a stronger smoothing makes incomplete beside the usual ones.
+
+    Args:
+        q: the angles; instrumented: whether they are the commanded ones.
+        recorded: the log; uniform: the same on the grid.
+        quiet: as of `prepare`.
+    """
     step = uniform.step
     if instrumented:
         # a commanded motion has only its last digit to be smoothed away: no torque needs to share
         # that
         return derivatives(polished(q, step), step), False, 0
-    smoothing = angle_smoothing(uniform, q, recorded)
+    alike = AngleSmoothing(np.full(q.shape[1], SMOOTHING), step)
+    smoothing = angle_smoothing(uniform, q, recorded) if quiet else alike
     parts = derivatives(smoothing(q), step)
     away = ~widened(~uniform.valid, derivative_margin(step))
     by_speed = calmer_speed(recorded, step, parts[1], parts[2], away)

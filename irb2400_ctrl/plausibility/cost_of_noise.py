@@ -7,13 +7,13 @@ import numpy as np
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.measurement.log import Log
 from irb2400_ctrl.measurement.log_facts import digit, neighbour_noise
-from irb2400_ctrl.measurement.motion.angle_smoothing import angle_smoothing
 from irb2400_ctrl.measurement.time_base import with_time_base
 from irb2400_ctrl.measurement.uniform import (
     LowPass,
     derivative_margin,
     derivatives,
     resample,
+    smoothed,
 )
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.robot import Robot
@@ -52,9 +52,7 @@ def acceleration_noise(even: Log, rate: float | None = None) -> tuple[Array, flo
     size = np.maximum(neighbour_noise(even.q), digit(even.q) / np.sqrt(12.0))
     white = np.random.default_rng(0).standard_normal(even.q.shape) * size
     noise = resample(Log(even.time, white, np.zeros_like(white)), rate)
-    uniform = resample(even, rate)
-    smoothing = angle_smoothing(uniform, uniform.q, even)
-    return derivatives(smoothing(noise.q), noise.step, 2)[2], noise.step
+    return derivatives(smoothed(noise.q, noise.step), noise.step, 2)[2], noise.step
 
 
 def torque_of(robot: Robot, q: Array, acceleration: Array) -> Array:

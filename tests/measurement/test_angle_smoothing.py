@@ -32,7 +32,7 @@ def exact(t: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 def off(log: Log) -> np.ndarray:
     """Rms of the accelerations' errors, (6,) [rad/s2]."""
-    found = prepare(log)
+    found = prepare(log, quiet=True)
     wrong = found.qdd - exact(found.time)[1]
     return np.asarray(np.sqrt(np.mean(wrong[found.known.any(axis=1)] ** 2, axis=0)))
 
@@ -75,7 +75,7 @@ def test_what_a_wide_window_makes_incomplete_is_not_known() -> None:
     """At the ends, and beside a gap."""
     log = log_of(250.0, 4e-4)
     kept = (log.time < 9.0) | (log.time > 9.5)
-    found = prepare(Log(log.time[kept], log.q[kept], log.tau[kept]))
+    found = prepare(Log(log.time[kept], log.q[kept], log.tau[kept]), quiet=True)
     moving = np.abs(exact(found.time)[0]).max(axis=1) > 0.0
     known = found.known.any(axis=1)
     assert not known[found.time < 0.15].any()
@@ -89,7 +89,7 @@ def test_what_a_commanded_motion_begins_with_is_not_known() -> None:
     log = log_of(250.0, 4e-4)
     t = np.asarray(log.time)
     ahead = exact(t + 0.02)[0]
-    found = prepare(Log(t, log.q, log.tau, q_ref=ahead))
+    found = prepare(Log(t, log.q, log.tau, q_ref=ahead), quiet=True)
     assert found.instrumented
     wrong = (found.qdd - exact(found.time)[1])[found.known.any(axis=1)]
     assert np.abs(wrong).max() < 0.5
