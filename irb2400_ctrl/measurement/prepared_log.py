@@ -201,18 +201,11 @@ def prepare(log: Log, rate: float | None = None, *, quiet: bool = False) -> Prep
     low_pass = LowPass(CUTOFF, uniform.step, np.inf if recorder is None else recorder.highest)
     if len(positions) < 4 * low_pass.half:
         raise InputError(f"{log.name}: found {log.duration:.2f} s of data, expected at least 2 s")
-    valid = uniform.valid.copy()
-    # what is blended in from the measured angles has their noise
-    valid[: round(BLEND / uniform.step) if instrumented and quiet else 0] = False
-    gap = _incomplete(valid, margin + reach)[inside]
+    gap = _incomplete(uniform, margin + reach, quiet and instrumented)[inside]
     still = _undetermined(uniform.tau[inside], qd, uniform.step, instrumented)
     determined = ~(still | gap[:, None])
     if not instrumented:
-        # a joint that really sticks does so while it should creep, and smoothing reaches that far
-        still |= np.abs(qd) < STICKING_SPEED
-        still = np.column_stack(
-            [widened(still[:, j], round(STICKING_TIME / uniform.step)) for j in range(log.n)]
-        )
+        still = _sticking(still | (np.abs(qd) < STICKING_SPEED), uniform.step)
     known = ~(still | gap[:, None])
     if recorder is not None:
         determined = _smeared(determined, recorder.reach(uniform.step))
@@ -245,6 +238,12 @@ def prepare(log: Log, rate: float | None = None, *, quiet: bool = False) -> Prep
     )
 
 
+def _sticking(still: Mask, step: float) -> Mask:
+    """A joint that really sticks does so while it should creep, and smoothing reaches that far."""
+    reach = round(STICKING_TIME / step)
+    return np.column_stack([widened(joint, reach) for joint in still.T])
+
+
 def _derived(
     q: Array, instrumented: bool, recorded: Log, uniform: UniformLog, quiet: bool
 ) -> tuple[tuple[Array, ...], bool, int]:
@@ -270,10 +269,18 @@ def _derived(
     return found, by_speed is not None, smoothing.reach
 
 
-def _incomplete(valid: Mask, reach: int) -> Mask:
-    """Samples within reach of a gap, or of an end."""
+def _incomplete(log: UniformLog, reach: int, blended: bool) -> Mask:
+    """Samples within reach of a gap, or of an end.
+
+    Args:
+        log: on the grid; reach: samples.
+        blended: whether the start, blended in from measured angles, counts as a gap: it has their
+            noise.
+    """
+    known = log.valid.copy()
+    known[: round(BLEND / log.step) if blended else 0] = False
     beyond = np.zeros(1, dtype=bool)
-    return widened(~np.concatenate([beyond, valid, beyond]), reach)[1:-1]
+    return widened(~np.concatenate([beyond, known, beyond]), reach)[1:-1]
 
 
 def _smeared(determined: Mask, reach: int) -> Mask:
