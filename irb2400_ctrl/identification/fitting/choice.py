@@ -143,12 +143,9 @@ class Choice:
             sigma=base.free.sigma,
         )
         left = overall(unseen_rms(part, own, like, base.correlation))
-        added = layout.positive()
-        added[: layout.inertial + 4 * layout.n] = False
-        # a root that takes all of the dry friction stands for it, and is none where it is slow
-        bent = [extra.joint - 1 for extra in extras if extra.kind == "power"]
-        added[layout.drive("coulomb").start + np.array(bent, dtype=int)] = True
-        possible = bool((like.theta[added] > 0.0).all())
+        first = layout.inertial + 4 * layout.n
+        added = layout.positive()[first:]
+        possible = bool((like.theta[first:][added] > 0.0).all())
         evidence = log_evidence(part, own, like, base.correlation)
         return _Trial(layout, own, like, evidence, left, possible)
 
@@ -156,8 +153,7 @@ class Choice:
 @dataclass(frozen=True)
 class _Trial:
     """A layout tried without bounds: its prior and numbers, log evidence [nats], what it leaves
-    unseen [Nm], and whether nothing is negative that cannot be: numbers of its extras, the dry
-    friction of a joint whose friction bends."""
+    unseen [Nm], and whether numbers of its extras that cannot be negative are not."""
 
     layout: ColumnLayout
     prior: Prior
