@@ -1,8 +1,13 @@
-"""Logs that are not of one arm with one load: fitted together, each leaves far more than alone."""
+"""Logs that are not of one arm with one load: fitted together, each leaves far more than alone.
+
+Friction alone changes from log to log as an arm warms up: where logs agree that each have friction
+of their own, that is said, and nothing of another arm or load.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -17,6 +22,8 @@ TWICE = 2.0
 the logs disagree"""
 AGREEING = 1.5
 """the same up to which the others agree once one is left out"""
+ALIKE = "with one load, in one mounting"
+"""what logs have to share"""
 FEWEST = 100
 """samples of a joint that counts"""
 LITTLE = 1e-3
@@ -44,13 +51,19 @@ def odd_logs(found: Fit, parts: Sequence[Recording]) -> list[str]:
         return []
     place, joint = (int(k) for k in np.unravel_index(int(np.argmax(worst)), worst.shape))
     told = _told(parts, each, place, joint, float(worst[place, joint]))
+    friction = np.r_[bare.drive("coulomb"), bare.drive("viscous")]
+    if not _ratios_with_own(sums, blocks, each, friction).max() > TWICE:
+        return [
+            f"the friction of the logs is not the same: {told}; with friction of its own for each "
+            "log they agree. Was the arm as warm in all of them? What is written lies between"
+        ]
     if len(parts) == 2:
         names = " and ".join(part.motion.name for part in parts)
-        return [f"{names} disagree: {told}; are both of this arm, with one load, in one mounting?"]
+        return [f"{names} disagree: {told}; are both of this arm, {ALIKE}?"]
     left = {k: _without(sums, blocks, each, k) for k in every}
     odd = min(left, key=lambda k: left[k])
     if left[odd] > AGREEING:
-        return [f"the logs disagree: {told}; are all of this arm, with one load, in one mounting?"]
+        return [f"the logs disagree: {told}; are all of this arm, {ALIKE}?"]
     return [
         f"{parts[odd].motion.name} does not belong to the other logs: {told}; without it the "
         "others agree. Of another arm, load or mounting? Identify it apart"
@@ -89,6 +102,38 @@ def _ratios(
     return np.array([_rms(sums, blocks[k], theta) / np.maximum(each[k], 1e-300) for k in some])
 
 
+def _ratios_with_own(
+    sums: Moments, blocks: Sequence[Integers], each: Sequence[Array], own: Integers
+) -> Array:
+    """`_ratios` of all logs, each with numbers of its own in some columns, (logs, n).
+
+    Args:
+        sums: of all logs; blocks: of each.
+        each: what is left of each alone, (n,).
+        own: these columns.
+    """
+    p = sums.g.shape[-1]
+    found = []
+    for log, some in enumerate(blocks):
+        data = sums.taken(some).summed()
+        # the log's own difference from the common numbers stands behind these
+        spread = np.zeros((p, p + len(own) * len(blocks)))
+        spread[:, :p] = np.eye(p)
+        spread[own, p + len(own) * log + np.arange(len(own))] = 1.0
+        found.append(replace(data, H=spread.T @ data.H @ spread, g=data.g @ spread))
+    every = Moments(
+        *(
+            np.concatenate([getattr(one, name) for one in found])
+            for name in ("H", "g", "c", "count")
+        )
+    )
+    theta = plain_least_squares(every)
+    left = every.squared_error(theta) / np.maximum(every.count, 1.0)
+    return np.array([_counted(*row) for row in zip(every.c, every.count, left, strict=True)]) / (
+        np.maximum(each, 1e-300)
+    )
+
+
 def _without(sums: Moments, blocks: Sequence[Integers], each: Sequence[Array], odd: int) -> float:
     """The worst ratio of the others.
 
@@ -121,8 +166,15 @@ def _rms(sums: Moments, own: Integers, theta: Array | tuple[Array, Array]) -> Ar
     else:
         left = data.squared_error(theta)
     count = data.count.sum(axis=0)
-    known = count >= FEWEST
-    floor = LITTLE * np.sqrt(data.c.sum(axis=0) / np.maximum(count, 1.0))
-    return np.where(
-        known, np.maximum(np.sqrt(left.sum(axis=0) / np.maximum(count, 1.0)), floor), 0.0
-    )
+    mean = left.sum(axis=0) / np.maximum(count, 1.0)
+    return _counted(data.c.sum(axis=0), count, mean)
+
+
+def _counted(squares: Array, count: Array, left: Array) -> Array:
+    """Rms torque of a log that counts, of each joint, shape (n,) [Nm].
+
+    Args:
+        squares: sum of the squared torques; count: of samples; left: mean square that is left.
+    """
+    floor = LITTLE * np.sqrt(squares / np.maximum(count, 1.0))
+    return np.where(count >= FEWEST, np.maximum(np.sqrt(left), floor), 0.0)

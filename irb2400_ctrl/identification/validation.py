@@ -15,7 +15,7 @@ from irb2400_ctrl.diagnosis.regressors.predict import predicted_torque
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.files import write_json
 from irb2400_ctrl.measurement import Log
-from irb2400_ctrl.measurement.joined_log import prepare_together
+from irb2400_ctrl.measurement.prepared_log import prepare
 from irb2400_ctrl.robot import Robot
 from irb2400_ctrl.typed import typed
 
@@ -100,6 +100,6 @@ def _compared(robot: Robot, log: Log) -> LogComparison:
             "robot of this log"
         )
     # with the time base rebuilt
-    m = prepare_together([log])
+    m = prepare(log, quiet=True)
     modelled = predicted_torque(robot, m)
     return LogComparison(log.name, m.time, m.q, m.qd, m.tau, modelled, m.known, m.remarks)

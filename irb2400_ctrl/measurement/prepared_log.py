@@ -13,13 +13,15 @@ from scipy.ndimage import uniform_filter1d
 from irb2400_ctrl.arrays import Array, Mask
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.measurement.log import Log
+from irb2400_ctrl.measurement.motion.angle_smoothing import AngleSmoothing, angle_smoothing
+from irb2400_ctrl.measurement.motion.commanded import BLEND, used_angles
 from irb2400_ctrl.measurement.motion.held_samples import released
 from irb2400_ctrl.measurement.motion.recorded_speed import calmer_speed
-from irb2400_ctrl.measurement.motion.servo import followed
 from irb2400_ctrl.measurement.time_base import with_time_base
 from irb2400_ctrl.measurement.torque_filter import TorqueFilter, find_torque_filter
 from irb2400_ctrl.measurement.uniform import (
     HALF_WINDOW,
+    SMOOTHING,
     LowPass,
     UniformLog,
     derivative_margin,
@@ -39,10 +41,6 @@ NO_COMMAND = "no commanded motion (q_ref): speeds and accelerations carry the an
 OTHER_MOTION = (
     "not as commanded (q_ref): {joints}; speeds and accelerations carry the angles' noise"
 )
-LEFT_OF_NOISE = 1.0
-"""smoothed over unsmoothed rms below which a difference is noise, at 250 Hz (white noise: 0.4)"""
-NOISE_RESERVE = 1.5
-"""the same over what white noise has, at lower rates"""
 CUTOFF = 10.0
 """[Hz] of the common zero-phase filter"""
 STILL_SPEED = 0.02
@@ -180,7 +178,7 @@ class PreparedLog:
 
 
 @typed
-def prepare(log: Log, rate: float | None = None) -> PreparedLog:
+def prepare(log: Log, rate: float | None = None, *, quiet: bool = False) -> PreparedLog:
     """Rebuild the time base of a log, resample, smooth and differentiate it.
 
     The motion is the commanded one through the fitted servo response where that explains the
@@ -189,11 +187,13 @@ def prepare(log: Log, rate: float | None = None) -> PreparedLog:
 
     Args:
         rate: of the grid [Hz]; default the log's own, but 200 to 250 Hz.
+        quiet: smooth measured angles as strongly as their noise asks (`angle_smoothing`), where
+            torques are compared as they stand; default alike, and torques go through the same.
     """
     even = with_time_base(log)
     uniform = resample(even, rate)
-    q, instrumented, disobeying = _motion(uniform, even)
-    parts, by_speed = _derived(q, instrumented, even, uniform)
+    q, instrumented, disobeying = used_angles(uniform, even)
+    parts, by_speed, reach = _derived(q, instrumented, even, uniform, quiet)
     margin = derivative_margin(uniform.step)
     inside = slice(margin, len(q) - margin)
     positions, qd, qdd, qddd, qdddd = (part[inside] for part in parts)
@@ -201,22 +201,18 @@ def prepare(log: Log, rate: float | None = None) -> PreparedLog:
     low_pass = LowPass(CUTOFF, uniform.step, np.inf if recorder is None else recorder.highest)
     if len(positions) < 4 * low_pass.half:
         raise InputError(f"{log.name}: found {log.duration:.2f} s of data, expected at least 2 s")
-    gap = widened(~uniform.valid, margin)[inside]
+    gap = _incomplete(uniform, margin + reach, quiet and instrumented)[inside]
     still = _undetermined(uniform.tau[inside], qd, uniform.step, instrumented)
     determined = ~(still | gap[:, None])
     if not instrumented:
-        # a joint that really sticks does so while it should creep, and smoothing reaches that far
-        still |= np.abs(qd) < STICKING_SPEED
-        still = np.column_stack(
-            [widened(still[:, j], round(STICKING_TIME / uniform.step)) for j in range(log.n)]
-        )
+        still = _sticking(still | (np.abs(qd) < STICKING_SPEED), uniform.step)
     known = ~(still | gap[:, None])
     if recorder is not None:
         determined = _smeared(determined, recorder.reach(uniform.step))
         known &= determined
-    reach = low_pass.half + (0 if instrumented else margin)
+    beside = low_pass.half + (0 if instrumented else margin)
     row_known = np.column_stack(
-        [low_pass.instants(~widened(~determined[:, j], reach)) for j in range(log.n)]
+        [low_pass.instants(~widened(~determined[:, j], beside)) for j in range(log.n)]
     ).astype(np.bool_)
     return PreparedLog(
         name=log.name,
@@ -242,18 +238,49 @@ def prepare(log: Log, rate: float | None = None) -> PreparedLog:
     )
 
 
+def _sticking(still: Mask, step: float) -> Mask:
+    """A joint that really sticks does so while it should creep, and smoothing reaches that far."""
+    reach = round(STICKING_TIME / step)
+    return np.column_stack([widened(joint, reach) for joint in still.T])
+
+
 def _derived(
-    q: Array, instrumented: bool, recorded: Log, uniform: UniformLog
-) -> tuple[tuple[Array, ...], bool]:
-    """q, qd, qdd, qddd, qdddd of a motion, and whether all but q come from the recorded speed."""
+    q: Array, instrumented: bool, recorded: Log, uniform: UniformLog, quiet: bool
+) -> tuple[tuple[Array, ...], bool, int]:
+    """q, qd, qdd, qddd, qdddd of a motion, whether all but q come from the recorded speed, and
+    samples that a stronger smoothing makes incomplete beside the usual ones.
+
+    Args:
+        q: the angles; instrumented: whether they are the commanded ones.
+        recorded: the log; uniform: the same on the grid.
+        quiet: as of `prepare`.
+    """
     step = uniform.step
-    # a commanded motion has only its last digit to be smoothed away: no torque needs to share that
-    parts = derivatives((polished if instrumented else smoothed)(q, step), step)
     if instrumented:
-        return parts, False
+        # a commanded motion has only its last digit to be smoothed away: no torque needs to share
+        # that
+        return derivatives(polished(q, step), step), False, 0
+    alike = AngleSmoothing(np.full(q.shape[1], SMOOTHING), step)
+    smoothing = angle_smoothing(uniform, q, recorded) if quiet else alike
+    parts = derivatives(smoothing(q), step)
     away = ~widened(~uniform.valid, derivative_margin(step))
     by_speed = calmer_speed(recorded, step, parts[1], parts[2], away)
-    return (parts, False) if by_speed is None else ((parts[0], *by_speed), True)
+    found = parts if by_speed is None else (parts[0], *by_speed)
+    return found, by_speed is not None, smoothing.reach
+
+
+def _incomplete(log: UniformLog, reach: int, blended: bool) -> Mask:
+    """Samples within reach of a gap, or of an end.
+
+    Args:
+        log: on the grid; reach: samples.
+        blended: whether the start, blended in from measured angles, counts as a gap: it has their
+            noise.
+    """
+    known = log.valid.copy()
+    known[: round(BLEND / log.step) if blended else 0] = False
+    beyond = np.zeros(1, dtype=bool)
+    return widened(~np.concatenate([beyond, known, beyond]), reach)[1:-1]
 
 
 def _smeared(determined: Mask, reach: int) -> Mask:
@@ -263,36 +290,6 @@ def _smeared(determined: Mask, reach: int) -> Mask:
     found[:reach] = False
     found[len(found) - reach :] = False
     return found
-
-
-def _motion(log: UniformLog, recorded: Log) -> tuple[Array, bool, tuple[int, ...]]:
-    """Angles to build the regressors on, whether all come from the commanded motion, and the joints
-    (from 1) that do not follow it."""
-    if log.q_ref is None:
-        return log.q, False, ()
-    ideal = followed(log)
-    difference = log.q - ideal
-    smooth = smoothed(difference, log.step)
-    good = ~widened(~log.valid, derivative_margin(log.step))
-    good[: round(0.2 / log.step)] = False
-    noise = np.std((difference - smooth)[good], axis=0)
-    # more than what white noise leaves after the smoothing is real motion
-    real = np.std(smooth[good], axis=0) > _left_of_noise(log, recorded) * noise + 1e-7
-    start = round(0.2 / log.step)
-    # the first samples have no history to be predicted from: blend from the measured angles
-    ramp = np.clip(np.arange(len(ideal)) / start, 0.0, 1.0)[:, None]
-    q = np.where(real, log.q, ideal + (1.0 - ramp) * difference)
-    return q, not real.any(), tuple(int(j) + 1 for j in np.flatnonzero(real))
-
-
-def _left_of_noise(log: UniformLog, recorded: Log) -> float:
-    """Smoothed over unsmoothed rms, with a reserve, that white noise on a log's own samples has
-    after resampling: on a finer grid it is no longer white."""
-    white = np.random.default_rng(0).standard_normal((len(recorded.time), 1))
-    drawn = resample(Log(recorded.time, white, white), 1.0 / log.step).q
-    smooth = smoothed(drawn, log.step)
-    ratio = np.std(smooth[log.valid]) / np.std((drawn - smooth)[log.valid])
-    return max(LEFT_OF_NOISE, NOISE_RESERVE * float(ratio))
 
 
 def _undetermined(tau: Array, qd: Array, step: float, instrumented: bool) -> Mask:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
@@ -108,6 +109,15 @@ def test_the_files_bodies_are_confirmed_only_where_that_is_borne_out(
     """Of a log with a clock wrong by 4 "the bodies of the file are this arm's" was printed."""
     (found,) = of_the_bodies([body(1.0)], [judged(unseen, plain)], False)
     assert said in found
+
+
+def test_it_is_said_how_far_confirmed_bodies_went() -> None:
+    """Masses off by a quarter, 3.8 of the file's standard deviations, were this arm's."""
+    moved = [body(1.0), replace(body(3.8), link=2)]
+    (found,) = of_the_bodies(moved, [judged([4.0, 3.0], [4.0, 3.0])], False)
+    assert "mass_kg of link 2 went furthest, by +3.8 of its standard deviations" in found
+    (found,) = of_the_bodies([body(0.0)], [judged([4.0, 3.0], [4.0, 3.0])], False)
+    assert found.endswith("these logs show no number of them to be another")
 
 
 def test_nothing_is_confirmed_beside_what_speaks_against_it() -> None:

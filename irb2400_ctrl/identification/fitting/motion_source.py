@@ -26,7 +26,7 @@ def motion_of(log: Log, source: Source) -> PreparedLog:
             differentiated once. Time stamps of a host jitter, and the second derivative of an angle
             feels that most. A log without speed has only the first.
     """
-    motion = prepare(log)
+    motion = prepare(log, quiet=True)
     if source == "angle" or log.qd is None:
         return motion
     width = SMOOTHING_TIME / float(np.median(np.diff(log.time)))
