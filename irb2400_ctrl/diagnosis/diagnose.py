@@ -147,7 +147,7 @@ def _searched(
     plain = PlainNumbers(prior, at_rows, motion.at_rows(motion.qd), numbers_of_robot)
     fitter = Fitter(robot, bases, motion, Z, reversal, own, plain, resting.holds)
     scan = Scan(bases, motion, load, contacts, fitter.stated)
-    selection = Selection(scan, fitter, criteria)
+    selection = Selection(scan, fitter, criteria, change=change)
     steps, fit = selection.run()
     progress("conclude")
     bent = of_the_whole_arm(steps, motion.n)

@@ -48,7 +48,7 @@ class AddedBody(Effect):
     com_m: Vector3 = Field(default=(0.0, 0.0, 0.0), description="its place c [m]")
 
     @classmethod
-    def nested(cls, mass: float, reach: float) -> Sequence[Nested]:
+    def nested(cls, mass: float, reach: float, axis: Array) -> Sequence[Nested]:
         m = SHARE_OF_MASS * mass
         place = SHARE_OF_REACH * reach
         spreads = [m, *[m * place] * 3, *[m * place**2] * 6]
@@ -56,9 +56,9 @@ class AddedBody(Effect):
         forms = [Nested(np.eye(10)[:, :k], whole[:k]) for k in (4, 10)]
         if not cls.whole_arm:
             return forms
-        # on the flange's axis, where a tool usually sits
-        on_axis = np.array([1.0, 0.0, 0.0, place, place**2, 0.0, 0.0, place**2, 0.0, 0.0])
-        return [Nested(on_axis[:, None], whole[:1]), *forms]
+        # on the last joint's axis, where a tool usually sits
+        on_axis = cls.of(None, mass_kg=1.0, com_m=tuple(place * axis)).coefficients()
+        return [Nested(np.array(on_axis)[:, None], whole[:1]), *forms]
 
     @abstractmethod
     def carrier(self, n: int) -> int:
@@ -136,6 +136,9 @@ class LinkInertia(AddedBody):
     sentence: ClassVar[str] = "a link of the robot is heavier or lighter than its data say"
     example: ClassVar[Mapping[str, Any]] = {"mass_kg": 5.0, "com_m": (0.15, 0.05, 0.1)}
     ambiguity: ClassVar[Ambiguity] = replace(MASS, change_of=("link",))
+
+    # from one day to another it is the tool that is changed, a thousand times to one
+    prior: ClassVar[Prior] = replace(AddedBody.prior, steady=7.0)
 
     kind: Literal["link_inertia"] = "link_inertia"
 

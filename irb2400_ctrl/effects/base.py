@@ -150,12 +150,12 @@ class Effect(Table, ABC):
         return True
 
     @classmethod
-    def nested(cls, mass: float, reach: float) -> Sequence[Nested]:
-        """Forms of the law to be tried instead of it on an arm, from the simplest on; empty: only
-        the law.
+    def nested(cls, mass: float, reach: float, axis: Array) -> Sequence[Nested]:
+        """Forms of the law to be tried instead of it, simplest first; empty: only the law.
 
         Args:
-            mass: that the arm moves [kg]; reach: of its flange from its first axis [m].
+            mass: that the arm moves [kg]; reach: of its flange from its first axis [m]; axis: of
+                its last joint in the flange's frame, shape (3,).
         """
         return ()
 

@@ -48,6 +48,8 @@ class Prior:
         in_place_of_friction: fields, the last of the coefficients, that take the place of dry
             friction which the file states: zero and no part of the law where it states none.
         absent: fields that are no part of the law where they are zero: a simpler form of it.
+        steady: log odds against its being what has changed from one day to another, over what
+            else the log shows as well [nats].
         lasting: how many columns of its discrepancy, the first, say something about another motion
             or load; None: all. The others stand beside the law while one log is explained.
     """
@@ -62,6 +64,7 @@ class Prior:
     leftover: tuple[str, ...] = ()
     in_place_of_friction: tuple[str, ...] = ()
     absent: tuple[str, ...] = ()
+    steady: float = 0.0
     lasting: int | None = None
 
     def kept(self, columns: int) -> int:

@@ -11,6 +11,7 @@ import casadi as ca
 import numpy as np
 from pydantic import Field
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.effects.ambiguity import TOOL, Ambiguity
 from irb2400_ctrl.effects.base import Effect
 from irb2400_ctrl.effects.drawing import Drawing
@@ -62,7 +63,7 @@ class ProcessForce(Effect):
         return -active * s.tcp_jacobian.T @ ca.diagcat(axes, axes)
 
     @classmethod
-    def nested(cls, mass: float, reach: float) -> Sequence[Nested]:
+    def nested(cls, mass: float, reach: float, axis: Array) -> Sequence[Nested]:
         # at the tool centre point, or anywhere
         return [Nested(np.eye(6)[:, :k], ()) for k in (3, 6)]
 

@@ -12,6 +12,7 @@ from diagnosis.test_selection_steps import explanation, of
 from irb2400_ctrl.diagnosis.comparison import ground as module
 from irb2400_ctrl.diagnosis.comparison.criteria import Criteria
 from irb2400_ctrl.diagnosis.comparison.ground import Ground, named
+from irb2400_ctrl.effects import LIBRARY
 
 NAMES = [explanation(f"n{k}", joint=1 + k % 4, gain=float(k)) for k in range(9)]
 LAWS = [explanation("unexplained", j, False, gain=50.0 + j) for j in (1, 2)]
@@ -23,7 +24,11 @@ class Told:
     """A ground whose candidates are plain numbers, and what was asked for."""
 
     def __init__(
-        self, monkeypatch: pytest.MonkeyPatch, rattling: Any = None, on: Any = None
+        self,
+        monkeypatch: pytest.MonkeyPatch,
+        rattling: Any = None,
+        on: Any = None,
+        change: bool = False,
     ) -> None:
         self.between: list[str] = []
         self.on: list[Any] = []
@@ -55,7 +60,7 @@ class Told:
             rattles=lambda c, chosen: 10.0 * (c is rattling),
             told=lambda a, chosen: of(a.candidate, a.evidence + 10.0 * (a.candidate is rattling)),
         )
-        self.ground = Ground(comparison, threshold, turns, load_changes, on)
+        self.ground = Ground(comparison, threshold, turns, load_changes, on, change=change)
 
     def _windowed(self, joints: Any) -> list[Any]:
         self.joints.append(set(joints))
@@ -97,6 +102,22 @@ def test_a_spring_over_a_short_travel_may_be_a_slow_ripple(monkeypatch: pytest.M
     assert told.ground.slow_ripple(explanation("payload", None)) == []
     assert told.ground.slow_ripple(explanation("balancer", 2)) == []
     assert asked == [3]
+
+
+@pytest.mark.parametrize(("change", "first"), [(False, "link_inertia"), (True, "payload")])
+@pytest.mark.parametrize("ahead", [0.5, 6.9])
+def test_what_changed_from_one_day_to_another_is_the_load_before_it_is_a_link(
+    monkeypatch: pytest.MonkeyPatch, change: bool, first: str, ahead: float
+) -> None:
+    """25 kg on axis 6 were "link 5 is heavier" (0.80): a load there is as well a mass of link 5."""
+    told = Told(monkeypatch, change=change)
+    link = LIBRARY["link_inertia"].of(5, mass_kg=25.0)
+    load = LIBRARY["payload"].of(None, mass_kg=25.0)
+    told.ground.comparison.scan.rank = lambda *_: [
+        explanation("link_inertia", 5, gain=500.0 + ahead, effects=(link,)),
+        explanation("payload", None, gain=500.0, effects=(load,)),
+    ]
+    assert told.best()[0] == first
 
 
 def test_alternatives_are_the_best_of_the_scan_that_were_not_refused(

@@ -19,6 +19,7 @@ from irb2400_ctrl.effects.drawing import Signal
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.excitation.segments import FLAVOURS
 
+AXIS = np.array([0.0, 0.0, 1.0])
 FIELDS: dict[str, dict[str, Any]] = {
     "transmission_backlash": {"joint": 2, "gap_rad": 0.002},
     "balancer": {"joint": 2, "torque_Nm": 400.0, "neutral_rad": 0.1, "free_ratio": 0.5},
@@ -309,11 +310,19 @@ def test_a_wrist_coupling_of_an_older_file_jumps_as_it_did(robot: irb.Robot) -> 
         robot.with_effects(LIBRARY["wrist_coupling"].of(4, discrepancy=(0.1,) * 5))
 
 
+@pytest.mark.parametrize("axis", [AXIS, [1.0, 0.0, 0.0], [0.0, -0.6, 0.8]])
+def test_a_load_on_the_last_joints_axis_is_a_form_of_its_own(axis: list[float]) -> None:
+    """The flange of many a URDF has its x along that axis."""
+    form = LIBRARY["payload"].nested(400.0, 1.5, np.array(axis))[0]
+    one = LIBRARY["payload"].of(None, mass_kg=2.0, com_m=tuple(0.15 * np.array(axis)))
+    np.testing.assert_allclose(form.columns @ [2.0], one.coefficients(), atol=1e-15)
+
+
 def test_a_mass_and_its_place_hold_their_moments_of_second_order() -> None:
     """phi = (m, m c, m (|c|^2 1 - c c^T)) is homogeneous of first order in (m, m c): linear about a
     place it is exact there, and off by the square of a step elsewhere."""
     payload = LIBRARY["payload"]
-    form = payload.nested(400.0, 1.5)[1]
+    form = payload.nested(400.0, 1.5, AXIS)[1]
     assert form.columns.shape == (10, 4)
 
     def phi(numbers: np.ndarray) -> np.ndarray:
@@ -332,5 +341,5 @@ def test_a_mass_and_its_place_hold_their_moments_of_second_order() -> None:
     np.testing.assert_allclose(anew.columns @ step, slope, rtol=1e-6)
     # where the place is beyond all arms, and of other forms, nothing is made anew
     assert payload.about(form, np.array([0.1, 0.2, 0.0, 0.0])) is None
-    assert payload.about(payload.nested(400.0, 1.5)[0], np.array([1.0])) is None
+    assert payload.about(payload.nested(400.0, 1.5, AXIS)[0], np.array([1.0])) is None
     assert LIBRARY["torque_offset"].about(form, numbers) is None

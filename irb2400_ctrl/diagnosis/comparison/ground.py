@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Sequence
+from dataclasses import replace
 from functools import cache, cached_property, partial
 from typing import TypeVar
 
@@ -31,6 +32,8 @@ class Ground:
         turns: AtReversals,
         load_changes: AtLoadChanges,
         on: Mask | None = None,
+        *,
+        change: bool = False,
     ) -> None:
         """Nothing is judged yet.
 
@@ -40,6 +43,7 @@ class Ground:
             turns: what the turns of the joints say of an effect.
             load_changes: what the changes of their load say.
             on: joints of which a candidate acts on one at least; default all, shape (n,).
+            change: whether the robot is this very arm as it was on another day.
         """
         self.on = on
         self.comparison = comparison
@@ -49,7 +53,9 @@ class Ground:
         def told(candidate: Candidate) -> Alternative:
             """A candidate under its own noise, with what turns and changes of load say of it."""
             alone = turns.told(comparison.compared(candidate))
-            return load_changes.told(alone, comparison.chosen)
+            found = load_changes.told(alone, comparison.chosen)
+            against = sum(e.prior.steady for e in candidate.effects) if change else 0.0
+            return replace(found, evidence=found.evidence - against) if against else found
 
         # none of these holds the ground itself, which would stay in memory with all it has judged
         self.accepts = _once(partial(threshold.accepts, comparison))

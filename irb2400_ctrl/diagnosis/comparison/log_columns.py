@@ -168,12 +168,14 @@ class LogColumns:
         return forms or [Nested(np.eye(law.values.shape[2]), effect.prior.coefficients)]
 
     @cached_property
-    def _scales(self) -> tuple[float, float]:
-        """Mass that the arm moves [kg] and reach of its flange from its first axis [m]."""
+    def _scales(self) -> tuple[float, float, Array]:
+        """Mass that the arm moves [kg], reach of its flange from its first axis [m], and axis of
+        its last joint in the flange's frame, shape (3,)."""
         robot = self.bases.robot
         flange = self.bases.model.flange_pose(self.motion.q[::50])[:, :3, 3]
         mass = sum(link.body.mass_kg for link in robot.links[1:])
-        return max(mass, 1.0), max(float(np.hypot(flange[:, 0], flange[:, 1]).max()), 0.1)
+        reach = float(np.hypot(flange[:, 0], flange[:, 1]).max())
+        return max(mass, 1.0), max(reach, 0.1), robot.flange.matrix()[2, :3]
 
     def family_penalty(self, kind: str, joint: int | None, point: dict[str, float]) -> float:
         """What the choice among the members of a family costs [nats]: all points of its grid, on

@@ -37,7 +37,16 @@ DOUBTS = 2
 class Selection:
     """Explains the filtered residual of one log, given its uncertain base."""
 
-    def __init__(self, scan: Scan, fitter: Fitter, criteria: Criteria | None = None) -> None:
+    def __init__(
+        self,
+        scan: Scan,
+        fitter: Fitter,
+        criteria: Criteria | None = None,
+        *,
+        change: bool = False,
+    ) -> None:
+        """`change`: whether the robot is this very arm as it was on another day."""
+        self.change = change
         self.scan = scan
         self.fitter = fitter
         self.criteria = Criteria() if criteria is None else criteria
@@ -114,7 +123,8 @@ class Selection:
         """The ground beside what is chosen, on some joints (n,) or all."""
         fit = self.fitter.fit(chosen)
         comparison = Comparison(self.scan, self.fitter.noise, fit.y, fit.Z, chosen)
-        return Ground(comparison, self.threshold, self.turns, self.load_changes, on)
+        load_changes = self.load_changes
+        return Ground(comparison, self.threshold, self.turns, load_changes, on, change=self.change)
 
     def _goes_on(self, steps: Sequence[Step]) -> bool:
         """Whether a further explanation may be looked for."""
