@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from benchmarks.naming.givers import Said, diagnosis
-from irb2400_ctrl.diagnosis.comparison import acceptance, criteria, ground, selection
+from irb2400_ctrl.diagnosis.comparison import acceptance, criteria, ground, possible, selection
 from irb2400_ctrl.diagnosis.comparison.at_load_changes import AtLoadChanges
 from irb2400_ctrl.diagnosis.comparison.at_reversals import AtReversals
 from irb2400_ctrl.diagnosis.comparison.comparison import Comparison
@@ -45,7 +45,7 @@ RULES: dict[str, tuple[Put, ...]] = {
     ),
     "leftover": ((Comparison, "leftover", lambda *_: None),),
     "usual": ((acceptance, "usual", lambda *_: True),),
-    "can_be_taken_off": ((acceptance, "can_be_taken_off", lambda *_: True),),
+    "can_be_taken_off": ((possible, "can_be_taken_off", lambda *_: True),),
     "stands_clear": (
         (ACCEPTANCE, "clear", lambda _, steps, fit, k: [True] * len(steps[k].candidate.effects)),
     ),
