@@ -50,6 +50,8 @@ def moved_as_by_a_load(scan: Scan, fitter: Fitter, fit: Fit, change: bool) -> tu
     torque = columns.torque(np.ones(1), scan.motion.n)
     left = torque - Z @ (problem.z - problem.base_beside(torque))
     information = float(gram[0, 0])
+    if information * on_axis.coefficients[0][1] ** 2 < 1.0:
+        return ()  # a load of a usual size would not be seen, as on the only axis of an arm
     by_noise = float(sum(np.sum(n.whiten(left[:, j]) ** 2) for j, n in enumerate(fit.noise)))
     if fitter.robot.identified is not None:
         by_noise = information
