@@ -101,8 +101,8 @@ def lines(check: LogCheck) -> list[str]:
     found = [
         f"{check.name}: {f.joints} joints, {f.samples} samples, {f.duration:.2f} s at "
         f"{f.rate:.5g} Hz; columns {_some(f.channels)}",
-        f"jitter {1e3 * base.scatter:.3g} ms rms, {100 * base.lost:.3g} % lost, {f.gaps} gaps, "
-        f"the longest {f.longest_gap:.3g} s{stamps}",
+        f"jitter {1e3 * round(base.scatter, 9):.3g} ms rms, {100 * base.lost:.3g} % lost, "
+        f"{f.gaps} gaps, the longest {f.longest_gap:.3g} s{stamps}",
         f"{'joint':<36}" + " ".join(f"{j + 1:>8}" for j in range(f.joints)),
     ]
     table = f.to_json() | check.to_json()

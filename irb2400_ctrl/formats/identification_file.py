@@ -121,11 +121,16 @@ class ForceSensorEntry(Table):
 
 
 class GainsEntry(Table):
-    """Factors of the torque channels from a weighed load, a number a joint."""
+    """Factors of the torque channels, a number a joint."""
 
+    source: str = Field(
+        default="known load",
+        description="known load: weighed; other joints: over the middle one, of the bodies that "
+        "all feel",
+    )
     gain: list[float] = Field(description="reported over true torque")
     standard_error: list[float | None]
-    known: list[bool] = Field(description="whether the load moved enough torque there")
+    known: list[bool] = Field(description="whether the standard error is at most 0.05")
 
 
 class LateEntry(Table):
@@ -177,7 +182,7 @@ class IdentificationFile(Table):
     late_torques: list[LateEntry] = Field(
         default_factory=list, description="logs whose torques were taken earlier"
     )
-    gains: GainsEntry | None = Field(description="null without a weighed load")
+    gains: GainsEntry | None = Field(description="null: all are taken to read alike")
     logs: list[IdentifiedLogEntry]
 
 

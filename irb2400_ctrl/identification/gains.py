@@ -5,7 +5,8 @@ that was weighed can: the same arm is recorded without it and with it, and what 
 
     tau_loaded - tau_model(unloaded) = gain_j tau_load,j + b0 + b1 sgn qd + b2 qd,
 
-is known in true Nm. b are what friction and offset of that day changed.
+is known in true Nm. b are what friction and offset of that day changed. Without a load the logs
+tell what the channels have apart (`fitting/relative_gains.py`).
 """
 
 from __future__ import annotations
@@ -26,6 +27,7 @@ from irb2400_ctrl.identification.fitting.fitted import Fit
 from irb2400_ctrl.identification.fitting.given import given_torque
 from irb2400_ctrl.identification.fitting.moments import Recording, predicted, recordings
 from irb2400_ctrl.identification.fitting.motion_source import motion_of
+from irb2400_ctrl.identification.fitting.relative_gains import relative_gains
 from irb2400_ctrl.identification.identified_robot import fit_base
 from irb2400_ctrl.identification.late_torques import in_time, late_torques
 from irb2400_ctrl.measurement import Log
@@ -57,10 +59,12 @@ class Gains:
     Args:
         values, errors: gain and its standard error, (n,) [-]; a joint on which the load asks too
             little for an error of `SURE` keeps the gain 1.
+        source: "known load", or "other joints": over the middle one of them.
     """
 
     values: Array
     errors: Array
+    source: str = "known load"
 
     @property
     def known(self) -> Mask:
@@ -76,13 +80,15 @@ class Gains:
         """The robot whose measuring chain has these gains: it predicts the logs as recorded."""
         joints = np.flatnonzero(self.known)
         effects = [
-            LIBRARY["torque_gain"].of(int(j) + 1, gain=float(self.values[j]), source="known load")
+            LIBRARY["torque_gain"].of(int(j) + 1, gain=float(self.values[j]), source=self.source)
             for j in joints
         ]
         return robot.with_effects(*effects)
 
     def says(self) -> list[str]:
-        """A line for each joint."""
+        """A line for each joint; one for all where other joints tell."""
+        if self.source != "known load":
+            return [self._apart()]
         found = []
         for j, (value, error) in enumerate(zip(self.values, self.errors, strict=True)):
             if self.known[j]:
@@ -103,9 +109,23 @@ class Gains:
             )
         return found
 
+    def _apart(self) -> str:
+        read = ", ".join(
+            f"{value:.2f} ± {1.96 * error:.2f}" if known else "1"
+            for value, error, known in zip(self.values, self.errors, self.known, strict=True)
+        )
+        return (
+            "the torque channels do not agree on the bodies that all joints feel: they read "
+            f"{read} times their torque (joint 1 on; the middle one as 1, and what is not clear); "
+            "the robot has them as torque_gain. Are torque constants, gear ratios and units what "
+            "the columns say? A factor that all share is not told by this but by a known load "
+            "(--loaded, --load)"
+        )
+
     def to_json(self) -> dict[str, Any]:
         """As in identification.json."""
         return {
+            "source": self.source,
             "gain": [float(v) for v in self.values],
             "standard_error": [float(v) for v in self.errors],
             "known": [bool(v) for v in self.known],
@@ -164,6 +184,13 @@ def known_load_gains(robot: Robot, logs: Sequence[Log], loaded: Sequence[Log], l
             "the axes of the flange, and is it on the arm in these logs?"
         )
     return gains
+
+
+def gains_of_others(found: Fit) -> Gains | None:
+    """What the channels have apart, of a fit to torques as they were read; None where it is not
+    clear."""
+    values, errors = relative_gains(found)
+    return Gains(values, errors, "other joints") if (errors <= SURE).any() else None
 
 
 def open_by_gain(found: Fit, gains: Gains | None) -> Array:

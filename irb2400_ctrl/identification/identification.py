@@ -75,7 +75,8 @@ class Identification(Displayed):
         moved: of every link; verdicts: what these motions tell of every number.
         notes: sentences for the reader.
         friction: of joints that ran at constant speed, forth and back (eqs. 70-74).
-        gains: of the torque channels, from a known load; sensed: tool on a force sensor.
+        gains: of the torque channels, where not all are taken to read alike;
+        sensed: tool on a force sensor.
         of_bodies: what the logs say of the file's bodies, empty where `notes` say which moved.
         late: of the logs whose torques were recorded later than their angles.
     """

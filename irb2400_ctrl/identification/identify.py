@@ -27,7 +27,12 @@ from irb2400_ctrl.identification.friction_curve import (
     with_curves,
     with_run_samples,
 )
-from irb2400_ctrl.identification.gains import Gains, known_load_gains, open_by_gain
+from irb2400_ctrl.identification.gains import (
+    Gains,
+    gains_of_others,
+    known_load_gains,
+    open_by_gain,
+)
 from irb2400_ctrl.identification.gate import verdicts
 from irb2400_ctrl.identification.held_out import held_out, slowly_left
 from irb2400_ctrl.identification.identification import Identification, LogResult
@@ -79,7 +84,8 @@ def identify(
         robot: the file; its effects stay, but offsets, rotors and couplings are fitted anew.
         logs: motions of the sound arm; validation: others, for the error only.
         loaded: the same arm with a load that was weighed; load: its body in the axes of the flange.
-            They give the gains of the torque channels; the arm is then in true Nm.
+            They give the gains of the torque channels; the arm is then in true Nm. Without them
+            only what the channels have apart is found, where the logs show it clearly.
 
     Raises:
         InputError: no log or none that is what its columns say, a load without its logs, another
@@ -92,7 +98,9 @@ def identify(
             [some] if isinstance(some, Log) else list(some) for some in (logs, validation, loaded)
         )
         if load is None and not heavy:
-            return _identified(robot, seen, others, None)
+            found, fitted = _identified(robot, seen, others, None)
+            apart = gains_of_others(fitted)
+            return found if apart is None else _in_true_torque(robot, seen, others, apart)
         if load is None or not heavy:
             raise InputError(
                 "identify: found a load without logs of it, or logs without its mass and centre; "
@@ -100,14 +108,21 @@ def identify(
             )
         _check(robot, [*seen, *heavy])
         gains = known_load_gains(robot, seen, heavy, load)
-        true, judges = ([gains.applied(log) for log in some] for some in (seen, others))
-        found = _identified(robot, true, judges, gains)
-        known = gains.in_robot(found.robot)
-        return replace(found, robot=known, gains=gains, notes=[*found.notes, *gains.says()])
+        return _in_true_torque(robot, seen, others, gains)
 
 
-def _identified(robot: Robot, seen: Logs, others: Logs, gains: Gains | None) -> Identification:
-    """The fit.
+def _in_true_torque(robot: Robot, seen: Logs, others: Logs, gains: Gains) -> Identification:
+    """The fit to torques over the gains of their channels; the robot says what is read."""
+    true, judges = ([gains.applied(log) for log in some] for some in (seen, others))
+    found, _ = _identified(robot, true, judges, gains)
+    known = gains.in_robot(found.robot)
+    return replace(found, robot=known, gains=gains, notes=[*found.notes, *gains.says()])
+
+
+def _identified(
+    robot: Robot, seen: Logs, others: Logs, gains: Gains | None
+) -> tuple[Identification, Fit]:
+    """The arm, and the fit.
 
     Args:
         robot: the file; seen: logs of the arm; others: that judge it.
@@ -140,7 +155,7 @@ def _identified(robot: Robot, seen: Logs, others: Logs, gains: Gains | None) -> 
     results += _validated(model, robot, kept, found, _motions(beside.logs, source, late_beside))
     against = [*borne_out(understood.doubts, results), *odd_logs(found, parts)]
     told_late = [one for one in (*late, *late_beside) if one is not None]
-    return Identification(
+    identified = Identification(
         given=robot,
         robot=in_robot(fitted.model_copy(update={"identified": known}), late),
         layout=found.layout,
@@ -166,6 +181,7 @@ def _identified(robot: Robot, seen: Logs, others: Logs, gains: Gains | None) -> 
         of_bodies=of_the_bodies(moved, results, bool(against or said)),
         late=told_late,
     )
+    return identified, found
 
 
 def _with_runs(
