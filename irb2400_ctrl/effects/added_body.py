@@ -49,6 +49,11 @@ class AddedBody(Effect):
 
     @classmethod
     def nested(cls, mass: float, reach: float, axis: Array) -> Sequence[Nested]:
+        """A mass on the last axis, at a place, or a whole body.
+
+        Args:
+            mass: that the arm moves [kg]; reach: of its flange [m]; axis: of its last joint.
+        """
         m = SHARE_OF_MASS * mass
         place = SHARE_OF_REACH * reach
         spreads = [m, *[m * place] * 3, *[m * place**2] * 6]

@@ -64,6 +64,11 @@ class ProcessForce(Effect):
 
     @classmethod
     def nested(cls, mass: float, reach: float, axis: Array) -> Sequence[Nested]:
+        """A force alone, or with its lever.
+
+        Args:
+            mass: that the arm moves [kg]; reach: of its flange [m]; axis: of its last joint.
+        """
         # at the tool centre point, or anywhere
         return [Nested(np.eye(6)[:, :k], ()) for k in (3, 6)]
 

@@ -55,6 +55,7 @@ from irb2400_ctrl.robot import Body, Identified, Robot
 from irb2400_ctrl.typed import typed
 
 Logs = Sequence[Log]
+Fitted = tuple[Identification, Fit]
 
 CLEARER = 0.03
 """recorded speed is used when it leaves so much less than differentiated angles [-]"""
@@ -112,16 +113,18 @@ def identify(
 
 
 def _in_true_torque(robot: Robot, seen: Logs, others: Logs, gains: Gains) -> Identification:
-    """The fit to torques over the gains of their channels; the robot says what is read."""
+    """The fit to torques over the gains of their channels; the robot says what is read.
+
+    Args:
+        robot: the file; seen: logs of the arm; others: that judge it; gains: of the channels.
+    """
     true, judges = ([gains.applied(log) for log in some] for some in (seen, others))
     found, _ = _identified(robot, true, judges, gains)
     known = gains.in_robot(found.robot)
     return replace(found, robot=known, gains=gains, notes=[*found.notes, *gains.says()])
 
 
-def _identified(
-    robot: Robot, seen: Logs, others: Logs, gains: Gains | None
-) -> tuple[Identification, Fit]:
+def _identified(robot: Robot, seen: Logs, others: Logs, gains: Gains | None) -> Fitted:
     """The arm, and the fit.
 
     Args:
@@ -129,18 +132,17 @@ def _identified(
         gains: that the logs are already over.
     """
     _check(robot, [*seen, *others])
-    understood = understood_logs(robot, seen)
+    sound = understood_logs(robot, seen)
     beside = understood_logs(robot, others)
-    seen = understood.logs
-    runs = [runs_of(log) for log in seen]
+    runs = [runs_of(log) for log in sound.logs]
     curves = friction_curves([run for some in runs for run in some])
-    sensed = sensed_load(robot, seen)
+    sensed = sensed_load(robot, sound.logs)
     # a placeholder says nothing of the friction that is looked for
-    stated = robot.with_unknown_friction(understood.other_friction)
+    stated = robot.with_unknown_friction(sound.other_friction)
     base, kept = fit_base(with_load(with_curves(stated, curves), sensed))
     model = Model(base)
-    late = _late(model, kept, seen)
-    source, parts = _recorded(model, kept, seen, late)
+    late = _late(model, kept, sound.logs)
+    source, parts = _recorded(model, kept, sound.logs, late)
     parts = _with_runs(parts, runs, curves)
     found = fit(model, parts)
     covariance = block_covariance(found.sums, found.prior, found.numbers, found.samples)
@@ -149,11 +151,11 @@ def _identified(
     _agree(fitted, kept, parts[0], predicted(model, found.layout, parts[0], found.theta))
     moved = moved_bodies(base, found.prior, found.theta, covariance, found.numbers.kappa)
     told = verdicts(model, found.layout, found.sums, found.numbers.sigma, found.samples)
-    results = _judged(model, robot, found, parts, [log_of_runs(log, curves) for log in seen])
+    results = _judged(model, robot, found, parts, [log_of_runs(log, curves) for log in sound.logs])
     known = _known(found, covariance, results)
     late_beside = _late(model, kept, beside.logs)
     results += _validated(model, robot, kept, found, _motions(beside.logs, source, late_beside))
-    against = [*borne_out(understood.doubts, results), *odd_logs(found, parts)]
+    against = [*borne_out(sound.doubts, results), *odd_logs(found, parts)]
     told_late = [one for one in (*late, *late_beside) if one is not None]
     identified = Identification(
         given=robot,
@@ -168,7 +170,7 @@ def _identified(
         verdicts=told,
         logs=results,
         notes=[
-            *understood.notes,
+            *sound.notes,
             *beside.notes,
             *against,
             *(one.says() for one in told_late),

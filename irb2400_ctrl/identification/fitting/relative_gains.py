@@ -79,14 +79,22 @@ def relative_gains(found: Fit) -> tuple[Array, Array]:
 
 
 def _scaled(found: Fit, data: Moments, gains: Array) -> tuple[Array, Array]:
-    """H (n, p, p) and g (n, p) with the bodies' columns of each joint times its gain."""
+    """H (n, p, p) and g (n, p) with the bodies' columns of each joint times its gain.
+
+    Args:
+        found: whose columns they are; data: one block; gains: (n,).
+    """
     scale = np.ones((found.layout.n, found.layout.count))
     scale[:, : found.layout.inertial] = gains[:, None]
     return data.H[0] * scale[:, :, None] * scale[:, None, :], data.g[0] * scale
 
 
 def _squared(found: Fit, data: Moments, solution: _Solution) -> Array:
-    """Sum of squares that a solution leaves, of each joint, (n,)."""
+    """Sum of squares that a solution leaves, of each joint, (n,).
+
+    Args:
+        found: whose columns they are; data: one block; solution: of these or other samples.
+    """
     H, g = _scaled(found, data, solution.gains)
     theta = solution.theta
     quadratic = np.einsum("npq,p,q->n", H, theta, theta, optimize=True)
@@ -94,7 +102,11 @@ def _squared(found: Fit, data: Moments, solution: _Solution) -> Array:
 
 
 def _solved(found: Fit, data: Moments, *, free: bool) -> _Solution:
-    """Gauss-Newton over all numbers and, where `free`, the gains."""
+    """Gauss-Newton over all numbers and, where `free`, the gains.
+
+    Args:
+        found: whose columns, noise and prior they are; data: one block; free: else they are one.
+    """
     layout = found.layout
     n = layout.n
     p = layout.count
