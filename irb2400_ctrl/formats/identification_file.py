@@ -123,7 +123,7 @@ class ForceSensorEntry(Table):
 class GainsEntry(Table):
     """Factors of the torque channels, a number a joint."""
 
-    source: str = Field(
+    source: Literal["known load", "other joints"] = Field(
         default="known load",
         description="known load: weighed; other joints: over the middle one, of the bodies that "
         "all feel",

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
@@ -51,6 +51,9 @@ ROUNDS = 3
 EVERY = 10
 """of so many samples one carries the uncertainty of the unloaded arm"""
 
+Source = Literal["known load", "other joints"]
+"""what gains were found from"""
+
 
 @dataclass(frozen=True)
 class Gains:
@@ -64,7 +67,7 @@ class Gains:
 
     values: Array
     errors: Array
-    source: str = "known load"
+    source: Source = "known load"
 
     @property
     def known(self) -> Mask:

@@ -67,6 +67,7 @@ def judged(
     over_given: float = 1.0,
     of_one_size: bool = True,
     all_found: bool = True,
+    of_its_law: bool = True,
 ) -> bool:
     """What `bears_out` says of an offset on joint 2 of three: worth [nats] by joint."""
     held_out = SimpleNamespace(
@@ -78,6 +79,7 @@ def judged(
     motion = SimpleNamespace(duration=10.0, n=n, row_known=np.ones((50, n), dtype=bool))
     acceptance.fitter = SimpleNamespace(robot=None, motion=motion)
     acceptance._beyond_base = lambda candidate, fit: beyond
+    acceptance._of_its_law = lambda effect: of_its_law
     acceptance._of_one_size = lambda steps, fit, place: of_one_size
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(module, "HeldOut", lambda fitter, chosen, fit: held_out)
@@ -94,6 +96,7 @@ def test_a_name_stays_only_where_the_files_own_error_is_better_with_it() -> None
     )
     assert judged(name, [0.0, 5.0, -1.0])
     assert not judged(name, [0.0, 5.0, -1.0], worth=-1.0)
+    assert not judged(name, [0.0, 5.0, -1.0], of_its_law=False)
     assert not judged(name, [9.0, -0.1, 0.0])  # worse where it sits
     assert not judged(name, [0.0, 5.0, -6.0])  # worse on all joints together
     load = SimpleNamespace(

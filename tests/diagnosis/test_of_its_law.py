@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from types import SimpleNamespace
-from typing import Any
-
 import numpy as np
 import pytest
 
 import irb2400_ctrl as irb
 from irb2400_ctrl.diagnosis.comparison.acceptance import Acceptance
+from irb2400_ctrl.diagnosis.comparison.criteria import Criteria
+from irb2400_ctrl.diagnosis.estimation.fit import Fitter
 from irb2400_ctrl.diagnosis.regressors import Bases
 from irb2400_ctrl.effects import LIBRARY, Effect
 from irb2400_ctrl.measurement import Log
@@ -22,12 +21,11 @@ CABLE = {"stiffness_Nm_rad": 0.59, "neutral_rad": 1.2}
 def acceptance() -> Acceptance:
     time = np.arange(0.0, 10.0, 0.01)
     q = 1.2 * np.sin(np.linspace(0.7, 2.3, 6) * time[:, None] + np.arange(6.0))
-    found: Any = Acceptance.__new__(Acceptance)
-    found.fitter = SimpleNamespace(
-        bases=Bases(irb.load_robot("irb2400")), motion=prepare_together([Log(time, q, q)])
-    )
-    whole: Acceptance = found
-    return whole
+    fitter = Fitter.__new__(Fitter)
+    fitter.bases = Bases(irb.load_robot("irb2400"))
+    fitter.motion = prepare_together([Log(time, q, q)])
+    fitter._cache = {}
+    return Acceptance(fitter, Criteria())
 
 
 @pytest.mark.parametrize(

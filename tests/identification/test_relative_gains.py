@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import cache
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -11,6 +13,8 @@ from identification.test_gains import GAIN, ROBOT, log
 
 import irb2400_ctrl as irb
 from irb2400_ctrl.identification import Identification, validate
+from irb2400_ctrl.identification.fitting.moments import Moments
+from irb2400_ctrl.identification.fitting.relative_gains import relative_gains
 
 
 @cache
@@ -61,3 +65,60 @@ def test_channels_that_read_alike_have_none(factor: float) -> None:
     found = identified(*(factor,) * 6)
     assert found.gains is None
     assert not any(e.kind == "torque_gain" for e in found.robot.effects)
+
+
+PHI = 10.0
+"""torque of the one body that all joints feel [Nm]"""
+
+
+def fit_of(gains: list[float], noise: float, samples: list[int]) -> Any:
+    """A fit whose joints read one body through gains, with noise [Nm] and so many samples each."""
+    n = len(gains)
+    count = np.tile(np.array(samples, dtype=float), (10, 1))
+    read = PHI * np.array(gains)
+    sums = Moments(
+        count[:, :, None, None], (count * read)[:, :, None], count * (read**2 + noise**2), count
+    )
+    layout: Any = SimpleNamespace(n=n, count=1, inertial=1)
+    prior: Any = SimpleNamespace(mean=np.zeros(1), precision=lambda kappa: 1e-6 * np.eye(1))
+    free: Any = SimpleNamespace(sigma=np.full(n, noise))
+    return SimpleNamespace(layout=layout, sums=sums, prior=prior, free=free, correlation=np.ones(n))
+
+
+MANY = [1000] * 6
+
+
+def test_gains_known_to_two_per_cent_go_with_one_that_is_clear() -> None:
+    """Of a joint that hardly says anything the gain stays one."""
+    fit = fit_of([1.0, 1.0, 1.0, 1.3, 1.03, 1.04], 1.0, [*MANY[:5], 1])
+    values, errors = relative_gains(fit)
+    middle = 1.015
+    assert values[[3, 4]] == pytest.approx(np.array([1.3, 1.03]) / middle, abs=0.01)
+    assert (errors[:5] < 0.02).all()
+    assert values[5] == 1.0
+    assert errors[5] == np.inf
+
+
+@pytest.mark.parametrize(
+    ("gains", "noise", "samples"),
+    [
+        # clear and worth it, but within what torque constants are known to
+        ([1.0, 1.0, 1.0, 1.04, 1.0, 1.0], 0.1, MANY),
+        # six per cent, three standard errors
+        ([1.0, 1.0, 1.0, 1.06, 1.0, 1.0], 0.6, [*MANY[:3], 1, *MANY[4:]]),
+        # clear, but no joint is predicted a fifth better
+        ([1.0, 1.0, 1.0, 1.08, 1.0, 1.0], 2.0, MANY),
+        # the middle one of two is none
+        ([1.0, 1.3], 0.1, MANY[:2]),
+    ],
+)
+def test_no_gain_is_told_that_is_not_clear_and_worth_it(
+    gains: list[float], noise: float, samples: list[int]
+) -> None:
+    values, errors = relative_gains(fit_of(gains, noise, samples))
+    assert (values == 1.0).all()
+    assert (errors == np.inf).all()
+    # the same a little further off, on as many joints as it takes
+    far = [1.0 + 5.0 * (g - 1.0) for g in gains] + [1.0] * (6 - len(gains))
+    values, _ = relative_gains(fit_of(far, min(noise, 0.5), MANY))
+    assert (values != 1.0).any()

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from irb2400_ctrl.identification.fitting.motion_source import motion_of
 from irb2400_ctrl.measurement import Log
 from irb2400_ctrl.measurement.motion.angle_smoothing import angle_smoothing
 from irb2400_ctrl.measurement.prepared_log import prepare
@@ -41,6 +42,13 @@ def off(log: Log) -> np.ndarray:
 def test_coarse_angles_make_no_accelerations(rate: float) -> None:
     """Digits of 0.4 mrad through the usual filter are 0.3 to 0.6 rad/s2, a third of what moves."""
     assert off(log_of(rate, 4e-4)).max() < 0.12
+
+
+def test_identify_differentiates_such_angles() -> None:
+    log = log_of(250.0, 4e-4)
+    found = motion_of(log, "angle")
+    assert np.array_equal(found.qdd, prepare(log, quiet=True).qdd)
+    assert not np.allclose(found.qdd[:, 0], prepare(log).qdd[: len(found.qdd), 0])
 
 
 def test_noise_that_digits_hide_is_seen() -> None:

@@ -72,6 +72,19 @@ def test_rows_that_are_written_twice_are_still_refused() -> None:
     assert problem.kind == "rows_twice"
 
 
+def test_three_rows_are_chance_and_a_quarter_of_a_second_is_none_that_is_published_again() -> None:
+    whole = log()
+    place = np.arange(len(whole.time))
+    place[[500, 900, 1300]] -= 1
+    assert released(replace(whole, q=whole.q[place], tau=whole.tau[place]))[1] == ""
+    place[[700, 1100]] -= 1
+    place[1700:1760] = 1700
+    left, said = released(replace(whole, q=whole.q[place]))
+    assert said.startswith("5 rows, ")
+    # what stays that long stands
+    assert len(left.time) == len(whole.time) - 5
+
+
 def test_an_arm_that_rests_turns_or_has_coarse_angles_repeats_nothing() -> None:
     whole = log()
     q = whole.q.copy()

@@ -17,7 +17,6 @@ from irb2400_ctrl.diagnosis.estimation.evidence import Problem
 from irb2400_ctrl.diagnosis.estimation.fit import Fit, Fitter
 from irb2400_ctrl.diagnosis.estimation.held_out import HeldOut, Worth
 from irb2400_ctrl.diagnosis.regressors.bases import RegressorColumns
-from irb2400_ctrl.diagnosis.regressors.predict import effect_torque
 from irb2400_ctrl.effects import Effect
 
 OWN_SIZES = 0.1
@@ -165,11 +164,10 @@ class Acceptance:
         is followed, as a cable bent to all sides follows a soft stop's."""
         if not effect.discrepancy:
             return True
-        bases = self.fitter.bases
-        motion = self.fitter.motion
-        bare = effect.model_copy(update={"discrepancy": ()})
-        law = effect_torque(bases, bare, motion, filtered=True)
-        off = effect_torque(bases, effect, motion, filtered=True) - law
+        law = self.fitter.placed(effect) @ np.array(effect.coefficients())
+        # further columns tell how a record began
+        columns = self.fitter.placed(effect, discrepancy=True)[:, :, : len(effect.discrepancy)]
+        off = columns @ np.array(effect.discrepancy)
         return float(np.sum(off**2)) < float(np.sum(law**2))
 
     def _swings_so(self, steps: Sequence[Step], fit: Fit, place: int) -> bool:

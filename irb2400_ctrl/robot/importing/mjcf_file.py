@@ -27,6 +27,7 @@ from irb2400_ctrl.robot.importing.mjcf_parts import (
     Settings,
     defaults,
     drives,
+    first_number,
     spliced,
     stated_numbers,
 )
@@ -219,6 +220,10 @@ class _Reader:
         if force:
             effort = float(np.abs(stated_numbers(name, force, 2)).min())
         low, high = self.unit * stated_numbers(name, ends, 2) if ends and limited else (0.0, 0.0)
+        number = {
+            key: first_number(name, settings.get(key))
+            for key in ("damping", "frictionloss", "armature", "stiffness", "springref")
+        }
         return TreeJoint(
             name,
             kind or settings.get("type", ""),
@@ -228,11 +233,11 @@ class _Reader:
             stated_numbers(name, settings.get("axis", "0 0 1"), 3),
             range=(float(low), float(high)) if low < high else None,
             effort=effort,
-            damping=(_first(settings.get("damping")) or 0.0) + drive.damping or None,
-            dry=_first(settings.get("frictionloss")),
-            armature=(_first(settings.get("armature")) or 0.0) + drive.armature or None,
-            stiffness=_first(settings.get("stiffness")),
-            rest=self.unit * (_first(settings.get("springref")) or 0.0),
+            damping=(number["damping"] or 0.0) + drive.damping or None,
+            dry=number["frictionloss"],
+            armature=(number["armature"] or 0.0) + drive.armature or None,
+            stiffness=number["stiffness"],
+            rest=self.unit * (number["springref"] or 0.0),
         )
 
     def _mass(self, element: ET.Element, name: str, here: Array) -> Mass | None:
@@ -241,7 +246,7 @@ class _Reader:
         inertial = element.find("inertial")
         if inertial is None:
             return None
-        mass = _first(inertial.get("mass")) or 0.0
+        mass = first_number(name, inertial.get("mass")) or 0.0
         full = inertial.get("fullinertia")
         if full:
             xx, yy, zz, xy, xz, yz = stated_numbers(name, full, 6)
@@ -298,7 +303,3 @@ def _new(name: str, taken: set[str]) -> str:
     while name in taken:
         name += "_"
     return name
-
-
-def _first(text: str | None) -> float | None:
-    return None if text is None else float(stated_numbers("number", text.split()[0], 1)[0])

@@ -102,7 +102,7 @@ def drives(root: ET.Element, classes: Defaults) -> dict[str, Drive]:
             **actuator.attrib,
         }
         where = f"actuator of {joint}"
-        gear = abs(_first_of(where, settings.get("gear", "1")))
+        gear = abs(first_number(where, settings.get("gear", "1")) or 0.0)
         before = found.get(joint, Drive())
         limit = before.limit
         ends = settings.get("forcerange") or (settings.get("ctrlrange") if tag == "motor" else None)
@@ -110,14 +110,19 @@ def drives(root: ET.Element, classes: Defaults) -> dict[str, Drive]:
             limit = gear * float(np.abs(stated_numbers(where, ends, 2)).min()) or limit
         found[joint] = Drive(
             limit,
-            before.armature + gear**2 * _first_of(where, settings.get("armature", "0")),
-            before.damping + gear**2 * _first_of(where, settings.get("damping", "0")),
+            before.armature + gear**2 * (first_number(where, settings.get("armature")) or 0.0),
+            before.damping + gear**2 * (first_number(where, settings.get("damping")) or 0.0),
         )
     return found
 
 
-def _first_of(where: str, text: str) -> float:
-    return float(stated_numbers(where, [*text.split(), ""][0], 1)[0])
+def first_number(where: str, text: str | None) -> float | None:
+    """The first number of an attribute, None where it is not stated.
+
+    Args:
+        where: it stands, for the message.
+    """
+    return None if text is None else float(stated_numbers(where, [*text.split(), ""][0], 1)[0])
 
 
 def stated_numbers(where: str, text: str, count: int) -> Array:
