@@ -88,13 +88,15 @@ def fit_of(gains: list[float], noise: float, samples: list[int]) -> Any:
 MANY = [1000] * 6
 
 
-def test_gains_known_to_two_per_cent_go_with_one_that_is_clear() -> None:
-    """Of a joint that hardly says anything the gain stays one."""
-    fit = fit_of([1.0, 1.0, 1.0, 1.3, 1.03, 1.04], 1.0, [*MANY[:5], 1])
+def test_other_gains_go_with_one_that_is_clear() -> None:
+    """Those known to 2 %, and from two standard errors on; of a joint that hardly says anything the
+    gain stays one."""
+    fit = fit_of([1.0, 1.0, 1.0, 1.3, 1.03, 1.04, 1.1], 1.0, [*MANY[:5], 1, 1])
     values, errors = relative_gains(fit)
-    middle = 1.015
-    assert values[[3, 4]] == pytest.approx(np.array([1.3, 1.03]) / middle, abs=0.01)
+    middle = 1.03
+    assert values[[3, 4, 6]] == pytest.approx(np.array([1.3, 1.03, 1.1]) / middle, abs=0.012)
     assert (errors[:5] < 0.02).all()
+    assert 0.02 < errors[6] < 0.04
     assert values[5] == 1.0
     assert errors[5] == np.inf
 

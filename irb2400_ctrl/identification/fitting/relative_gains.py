@@ -28,8 +28,11 @@ CLEAR = 4.0
 """standard errors from one"""
 LEAST = 0.05
 """by which a gain is off one, to be said"""
+BESIDE = 2.0
+"""the same for the other gains, once one is clear: constants that were taken from elsewhere are
+seldom wrong alone"""
 EXACT = 0.02
-"""standard error up to which the other gains are taken as found, once one is clear"""
+"""standard error up to which these are taken as found, whatever they are"""
 LESS = 0.8
 """of what some joint leaves on unseen stretches, with gains: not always one whose gain is off"""
 POSSIBLE = (0.2, 5.0)
@@ -48,7 +51,7 @@ class _Solution:
 
 def relative_gains(found: Fit) -> tuple[Array, Array]:
     """Gains of the channels over the middle one of them, and their standard errors, (n,) [-]; one
-    and infinity where none is clearly another, and beside such a one for those known to less.
+    and infinity where none is clearly another, and beside such a one for those that tell nothing.
 
     Args:
         found: a fit, with the columns that it has taken on.
@@ -76,7 +79,7 @@ def relative_gains(found: Fit) -> tuple[Array, Array]:
     better = np.log(rms[True] / rms[False])
     if better.sum() >= 0.0 or not (better < np.log(LESS)).any():
         return np.ones(n), np.full(n, np.inf)
-    known = clear | (errors < EXACT)
+    known = (off > BESIDE * errors) | (errors < EXACT)
     return np.where(known, gains, 1.0), np.where(known, errors, np.inf)
 
 
