@@ -123,10 +123,10 @@ class ForceSensorEntry(Table):
 class GainsEntry(Table):
     """Factors of the torque channels, a number a joint."""
 
-    source: Literal["known load", "other joints"] = Field(
+    source: Literal["known load", "other joints", "robot file"] = Field(
         default="known load",
         description="known load: weighed; other joints: over the middle one, of the bodies that "
-        "all feel",
+        "all feel; robot file: as it states them",
     )
     gain: list[float] = Field(description="reported over true torque")
     standard_error: list[float | None]

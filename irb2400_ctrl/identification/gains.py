@@ -19,6 +19,7 @@ import numpy as np
 
 from irb2400_ctrl.arrays import Array, Mask
 from irb2400_ctrl.effects import LIBRARY
+from irb2400_ctrl.effects.torque_gain import TorqueGain
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.identification.fitting.columns import columns
 from irb2400_ctrl.identification.fitting.estimate import scaled_inverse
@@ -51,7 +52,7 @@ ROUNDS = 3
 EVERY = 10
 """of so many samples one carries the uncertainty of the unloaded arm"""
 
-Source = Literal["known load", "other joints"]
+Source = Literal["known load", "other joints", "robot file"]
 """what gains were found from"""
 
 
@@ -62,7 +63,7 @@ class Gains:
     Args:
         values, errors: gain and its standard error, (n,) [-]; a joint on which the load asks too
             little for an error of `SURE` keeps the gain 1.
-        source: "known load", or "other joints": over the middle one of them.
+        source: "known load"; "other joints": over the middle one of them; "robot file": as stated.
     """
 
     values: Array
@@ -89,9 +90,17 @@ class Gains:
         return robot.with_effects(*effects)
 
     def says(self) -> list[str]:
-        """A line for each joint; one for all where other joints tell."""
-        if self.source != "known load":
+        """A line for each joint; one for all where other joints tell, or the file."""
+        if self.source == "other joints":
             return [self._apart()]
+        if self.source == "robot file":
+            stated = ", ".join(
+                f"{j + 1} ({self.values[j]:.3g})" for j in np.flatnonzero(self.known)
+            )
+            return [
+                f"the torque channels of joints {stated} read as many times their torque as the "
+                "file has it (torque_gain): its gains are kept, none are looked for"
+            ]
         found = []
         for j, (value, error) in enumerate(zip(self.values, self.errors, strict=True)):
             if self.known[j]:
@@ -194,6 +203,35 @@ def gains_of_others(found: Fit) -> Gains | None:
     clear."""
     values, errors = relative_gains(found)
     return Gains(values, errors, "other joints") if (errors <= SURE).any() else None
+
+
+def without_gains(robot: Robot) -> Robot:
+    """The robot as torques over the gains are read."""
+    effects = tuple(e for e in robot.effects if not isinstance(e, TorqueGain))
+    return robot.model_copy(update={"effects": effects})
+
+
+def gains_of_file(robot: Robot) -> Gains | None:
+    """Those that a robot file states; None where it states none.
+
+    Raises:
+        InputError: a reading is no constant factor.
+    """
+    stated = [e for e in robot.lasting().effects if isinstance(e, TorqueGain)]
+    if not stated:
+        return None
+    values = np.ones(robot.n)
+    errors = np.full(robot.n, np.inf)
+    for effect in stated:
+        if any(effect.discrepancy):
+            raise InputError(
+                f"identify: found a reading of joint {effect.joint} that bends with its torque "
+                "(torque_gain with a discrepancy), expected a constant factor; take it out of the "
+                "robot file, identify, and diagnose it then"
+            )
+        values[effect.index] *= effect.gain
+        errors[effect.index] = 0.0
+    return Gains(values, errors, "robot file")
 
 
 def open_by_gain(found: Fit, gains: Gains | None) -> Array:

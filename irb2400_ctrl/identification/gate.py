@@ -141,6 +141,7 @@ def motion_for(name: str) -> str:
         "rotor": f"fast reversals of joint {joint} with the arm folded and stretched",
         "stribeck": f"very slow runs of joint {joint}, below 0.02 rad/s",
         "power": f"runs of joint {joint} at several speeds up to its limit",
+        "load": f"slow runs of joint {joint} both ways, with the arm folded and stretched",
         "coupling": f"joint {joint} and the next, first one at a time, then both",
         "far_coupling": f"joint {joint} and the next but one, first one at a time, then both",
         "balancer": f"slow turns of joint {joint} through all of its range",

@@ -20,6 +20,8 @@ REFITTED = (
     "far_wrist_coupling",
     "coupled_friction",
     "acceleration_reading",
+    "load_friction",
+    "torque_gain",
 )
 """kinds of effects of a file that a fit replaces by its own, as it does a delay of all torques"""
 LEAST_SHARE = 1e-9
@@ -141,6 +143,8 @@ def _extra_effects(extra: Extra, numbers: Sequence[float] | Array) -> list[Effec
             joint, inertia_kgm2=values[0], source="identified"
         )
         return [reading]
+    if extra.kind == "load":
+        return [LIBRARY["load_friction"].of(joint, coefficient=values[0], source="identified")]
     if extra.kind == "power":
         power = LIBRARY["viscous_power"].of(
             joint, coefficient=values[0], exponent=EXPONENT, source="identified"

@@ -29,9 +29,11 @@ from irb2400_ctrl.identification.friction_curve import (
 )
 from irb2400_ctrl.identification.gains import (
     Gains,
+    gains_of_file,
     gains_of_others,
     known_load_gains,
     open_by_gain,
+    without_gains,
 )
 from irb2400_ctrl.identification.gate import verdicts
 from irb2400_ctrl.identification.held_out import held_out, slowly_left
@@ -76,10 +78,10 @@ def identify(
     """Bodies, friction, offsets and rotors of an arm from one or several logs of it.
 
     Bodies are possible ones; the file counts with the widths that it states, wider where the logs
-    say so. Couplings of the wrist, a balancer and readings without the accelerating torque are
-    taken on where the logs show them clearly. Friction at low speed comes from stretches in which
-    one joint moves at constant speed, forth and back (eqs. 70-74), where the logs hold such; the
-    tool from a force sensor at the flange, where they hold its columns.
+    say so. Couplings of the wrist, a balancer, friction of other laws and readings without the
+    accelerating torque are taken on where the logs show them clearly. Friction at low speed comes
+    from stretches in which one joint moves at constant speed, forth and back (eqs. 70-74), where
+    the logs hold such; the tool from a force sensor at the flange, where they hold its columns.
 
     Args:
         robot: the file; its effects stay, but offsets, rotors and couplings are fitted anew.
@@ -98,17 +100,18 @@ def identify(
         seen, others, heavy = (
             [some] if isinstance(some, Log) else list(some) for some in (logs, validation, loaded)
         )
-        if load is None and not heavy:
-            found, fitted = _identified(robot, seen, others, None)
-            apart = gains_of_others(fitted)
-            return found if apart is None else _in_true_torque(robot, seen, others, apart)
-        if load is None or not heavy:
+        if (load is None) == bool(heavy):
             raise InputError(
                 "identify: found a load without logs of it, or logs without its mass and centre; "
                 "expected both (--loaded LOG --load KG,X,Y,Z)"
             )
         _check(robot, [*seen, *heavy])
-        gains = known_load_gains(robot, seen, heavy, load)
+        gains = known_load_gains(robot, seen, heavy, load) if load else gains_of_file(robot)
+        if gains is None:
+            found, fitted = _identified(robot, seen, others, None)
+            gains = gains_of_others(fitted)
+            if gains is None:
+                return found
         return _in_true_torque(robot, seen, others, gains)
 
 
@@ -116,12 +119,13 @@ def _in_true_torque(robot: Robot, seen: Logs, others: Logs, gains: Gains) -> Ide
     """The fit to torques over the gains of their channels; the robot says what is read.
 
     Args:
-        robot: the file; seen: logs of the arm; others: that judge it; gains: of the channels.
+        robot: the file; seen, others: logs, and those that judge; gains: of the channels.
     """
     true, judges = ([gains.applied(log) for log in some] for some in (seen, others))
-    found, _ = _identified(robot, true, judges, gains)
+    found, _ = _identified(without_gains(robot), true, judges, gains)
     known = gains.in_robot(found.robot)
-    return replace(found, robot=known, gains=gains, notes=[*found.notes, *gains.says()])
+    notes = [*found.notes, *gains.says()]
+    return replace(found, given=robot, robot=known, gains=gains, notes=notes)
 
 
 def _identified(robot: Robot, seen: Logs, others: Logs, gains: Gains | None) -> Fitted:

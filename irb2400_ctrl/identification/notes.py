@@ -156,6 +156,7 @@ def notes_of(moved: Sequence[Moved], found: Fit, errors: Array, said: str) -> li
         "balancer": "has a balancer that the file does not name",
         "reading": "reads its torque without part of what accelerates it",
         "stribeck": "has more friction at low speed than the file says",
+        "load": "has dry friction that grows with the torque that its gear carries",
         "power": "has friction that does not grow in proportion to its speed",
     }
     for extra in found.layout.extras:

@@ -10,6 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 from independent_plant.case import Case
+from independent_plant.effects import Effect
 from independent_plant.machine import Machine
 from independent_plant.motion import Motion
 from independent_plant.native import RECORD_RATE
@@ -66,10 +67,10 @@ def drawn(robot: irb.Robot, rng: np.random.Generator) -> tuple[Arm, np.ndarray]:
 
 
 class PossibleCase(Case):
-    """A case of the independent plant with such an arm."""
+    """A case of the independent plant with such an arm, and effects."""
 
-    def __init__(self, robot: irb.Robot, seed: int, duration: float) -> None:
-        super().__init__(seed=seed, duration=duration, validation_duration=10.0)
+    def __init__(self, robot: irb.Robot, seed: int, duration: float, *effects: Effect) -> None:
+        super().__init__(seed=seed, effects=effects, duration=duration, validation_duration=10.0)
         arm, friction = drawn(robot, np.random.default_rng([seed, 77]))
         servo = Servo.drawn(np.random.default_rng([seed, 78]), arm)
         # the frozen case computes its machine once; here it is given

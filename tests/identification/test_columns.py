@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
@@ -30,6 +31,7 @@ EVERYTHING = (
     Extra("reading", 4),
     Extra("stribeck", 3),
     Extra("power", 1),
+    Extra("load", 6),
 )
 
 
@@ -40,6 +42,8 @@ def test_the_robot_says_what_the_columns_say(model: irb.Model) -> None:
     theta = np.abs(rng.normal(size=layout.count)) + 0.1
     bodies = model.robot.inertial_parameters
     theta[: layout.inertial] = possible(1.3 * bodies).ravel()
+    theta[layout.extra(Extra("load", 6))] = 0.05
+    layout = replace(layout, pressing=tuple(theta[: layout.inertial].tolist()))
     q = rng.uniform(-1, 1, (20, 6))
     qd = rng.normal(size=(20, 6))
     qdd = rng.normal(size=(20, 6))
@@ -117,6 +121,7 @@ def test_a_far_coupling_is_taken_on_only_beside_one_of_neighbours() -> None:
     assert motion_for("far_coupling_4 qdd here").startswith("joint 4 and the next but one")
     assert motion_for("coupling_5 qdd here").startswith("joint 5 and the next, ")
     assert "link 3" in motion_for("mx_3")
+    assert motion_for("load_2 load sgn qd").startswith("slow runs of joint 2 both ways")
 
 
 def test_the_choice_asks_what_may_be() -> None:

@@ -13,6 +13,7 @@ from independent_plant.machine import Machine
 from independent_plant.parameters import FLANGE_OFFSET
 
 import irb2400_ctrl as irb
+from irb2400_ctrl.effects import LIBRARY
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.identification import validate
 from irb2400_ctrl.identification.gains import Gains
@@ -95,3 +96,33 @@ def test_a_factor_that_all_gains_share_is_said() -> None:
     assert any(line.startswith("all known gains are about 2") for line in twice)
     for values in ([2.1, 1.1, 1.0], [2.1, 0.5, 1.0], [1.1, 0.9, 1.0]):
         assert not any("all known" in line for line in Gains(np.array(values), errors).says())
+
+
+def test_gains_that_the_file_states_are_kept() -> None:
+    """A file from such an identification is identified again: it was refused, as its readings
+    depend on the bodies."""
+    first = identified()
+    assert first.gains is not None
+    again = irb.identify(first.robot.model_copy(update={"identified": None}), log(2, 0.0))
+    assert again.gains is not None
+    assert again.gains.source == "robot file"
+    assert again.given.effects == first.robot.effects
+    stated = np.where(first.gains.known, first.gains.values, 1.0)
+    np.testing.assert_allclose(again.gains.values, stated)
+    told = {e.joint: e.gain for e in again.robot.effects if e.kind == "torque_gain"}
+    assert told == {j + 1: stated[j] for j in np.flatnonzero(first.gains.known)}
+    (line,) = [note for note in again.notes if "torque channels" in note]
+    assert "as the file has it (torque_gain)" in line
+    # as sure as before, and of the arm in true torque
+    (judged,) = again.logs
+    assert (judged.error("before").rmse < 1.3 * judged.error("unseen").rmse).all()
+    assert validate(again.robot, log(1, 0.0)).error.rmse == pytest.approx(
+        validate(first.robot, log(1, 0.0)).error.rmse, rel=0.1
+    )
+    np.testing.assert_allclose(again.robot.friction[:, 1], first.robot.friction[:, 1], rtol=0.1)
+
+
+def test_a_reading_that_bends_is_no_gain() -> None:
+    bent = LIBRARY["torque_gain"].of(2, gain=1.1, discrepancy=(1e-4,))
+    with pytest.raises(InputError, match="joint 2 that bends"):
+        irb.identify(ROBOT.with_effects(bent), log(1, 0.0))

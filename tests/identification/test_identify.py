@@ -147,9 +147,9 @@ def test_wrong_input_is_said(logs: list[irb.Log]) -> None:
         irb.identify(robot, five)
     with pytest.raises(InputError, match="found 5 joints"):
         validate(robot, five)
-    rubbing = robot.with_effects(LIBRARY["load_friction"].of(2, coefficient=0.06))
-    with pytest.raises(InputError, match="load_friction"):
-        irb.identify(rubbing, logs[0])
+    soft = robot.with_effects(LIBRARY["elastic_joint"].of(2, stiffness_Nm_rad=2e4))
+    with pytest.raises(InputError, match="elastic_joint"):
+        irb.identify(soft, logs[0])
 
 
 def test_the_page(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -26,6 +26,10 @@ CLEAR = 10.0
 """log evidence that a balancer must bring [nats]; other extras have to gain unseen"""
 LEAST_GAIN = 0.05
 """and so much less on unseen stretches, on the joints that it touches, for each of its numbers"""
+SURE = 3.0
+"""standard errors from nothing of a gear's loss: as large a one as in many a file hardly shows"""
+MOST_LOSS = 0.15
+"""of the torque that a gear carries, lost to dry friction on top of what it always has [-]"""
 NOTHING = 1e-9
 """[Nm] what a joint that rests leaves"""
 PINNED = 1e-8
@@ -33,12 +37,12 @@ PINNED = 1e-8
 
 
 def candidates(n: int) -> tuple[Extra, ...]:
-    """What some arms have: couplings in the wrist, balancers, Stribeck."""
+    """What some arms have: couplings in the wrist, balancers, friction of other laws."""
     couplings = [
         Extra(kind, joint) for kind, effect in COUPLED.items() for joint in effect.joints(n)
     ]
     balancers = [Extra("balancer", joint) for joint in (2, 3) if joint <= n]
-    friction = [Extra(kind, j + 1) for kind in ("stribeck", "power") for j in range(n)]
+    friction = [Extra(kind, j + 1) for kind in ("stribeck", "power", "load") for j in range(n)]
     return (*couplings, *balancers, *friction)
 
 
@@ -48,14 +52,14 @@ class Choice:
 
     Args:
         base: the fit without any; sums: of all recordings, with the columns of all extras.
-        fast: the same of the faster half of the speeds of each joint, one block; asked for only
-            where friction bends.
+        beyond: the same of the half of the samples, one block, into which a kind must reach from
+            the other: the faster of each joint, the heavier laden.
         prior: of the robot file; whole: the layout of those columns.
     """
 
     base: Fit
     sums: Moments
-    fast: Callable[[], Moments]
+    beyond: Mapping[str, Callable[[], Moments]]
     prior: Prior
     whole: ColumnLayout
 
@@ -93,9 +97,11 @@ class Choice:
 
         Bodies that cannot exist, or that the file has wrong, take the place of a balancer: there it
         is bodies that can exist, and of which the file says nothing, that must leave more without
-        it. Friction that bends must not lead astray where it is faster.
+        it. Friction that bends, or grows with load, must not lead astray where there is more of it.
         """
-        if extra.kind == "power":
+        if extra.kind == "load" and not _gear_could(extra, trial):
+            return False
+        if extra.kind in self.beyond:
             return _gains(extra, trial, now) and self._reaches_further(extra, trial, now)
         if extra.kind != "balancer":
             return _gains(extra, trial, now)
@@ -111,26 +117,29 @@ class Choice:
         return _gains(extra, replace(trial, left=left[1]), replace(now, left=left[0]))
 
     def _reaches_further(self, extra: Extra, trial: _Trial, now: _Trial) -> bool:
-        """Whether it may cost no more at speeds that it has not seen than it takes off at those
-        that it has: fitted to the slower half, held against the faster."""
+        """Whether it may cost no more at speeds, or loads, that it has not seen than it takes off
+        at those that it has: fitted to the lower half, held against the upper."""
         j = extra.joint - 1
-        fast = [self._left_fast(one)[j] for one in (trial, now)]
-        return bool(fast[0] * trial.left[j] < fast[1] * now.left[j])
+        upper = [self._left_beyond(extra.kind, one)[j] for one in (trial, now)]
+        return bool(upper[0] * trial.left[j] < upper[1] * now.left[j])
 
-    def _left_fast(self, one: _Trial) -> Array:
-        """Rms torque that is left on the faster half of the speeds by a fit to the slower half,
-        shape (n,) [Nm]."""
+    def _left_beyond(self, kind: str, one: _Trial) -> Array:
+        """Rms torque that is left on the upper half by a fit to the lower, shape (n,) [Nm].
+
+        Args:
+            kind: whose halves; one: what is fitted.
+        """
         places = one.layout.within(self.whole)
-        fast = self.fast().part(places)
-        slow = self.sums.part(places).summed().less(fast)
-        theta = unbounded_minimum(slow, one.prior, one.like, self.base.correlation)
-        count = np.maximum(fast.count[0], 1.0)
-        return np.asarray(np.sqrt(fast.squared_error(theta)[0] / count))
+        upper = self.beyond[kind]().part(places)
+        lower = self.sums.part(places).summed().less(upper)
+        theta = unbounded_minimum(lower, one.prior, one.like, self.base.correlation)
+        count = np.maximum(upper.count[0], 1.0)
+        return np.asarray(np.sqrt(upper.squared_error(theta)[0] / count))
 
     def _tried(self, extras: tuple[Extra, ...]) -> _Trial:
         """These extras without bounds."""
         base = self.base
-        layout = ColumnLayout(base.layout.n, extras)
+        layout = replace(self.whole, extras=extras)
         places = layout.within(self.whole)
         part = self.sums.part(places)
         own = _pinned(base, self.prior.part(places))
@@ -167,6 +176,14 @@ def _may_be(extra: Extra, chosen: Sequence[Extra]) -> bool:
     """Whether there is what it is never without (`Search.beside`)."""
     beside = COUPLED[extra.kind].search.beside if extra.kind in COUPLED else ""
     return not beside or any(COUPLED.get(other.kind) is LIBRARY[beside] for other in chosen)
+
+
+def _gear_could(extra: Extra, trial: _Trial) -> bool:
+    """Whether a gear's loss is clear, and no larger than one has."""
+    (place,) = range(trial.layout.count)[trial.layout.extra(extra)]
+    loss = trial.like.theta[place]
+    error = np.sqrt(trial.like.covariance[place, place])
+    return bool(SURE * error < loss < MOST_LOSS)
 
 
 def _gains(extra: Extra, trial: _Trial, now: _Trial) -> bool:

@@ -23,7 +23,7 @@ COUPLED: dict[str, type[AxisCoupling]] = {
     "far_coupling": FarWristCoupling,
 }
 """kinds of extras that are couplings, and the effects that they are"""
-POSITIVE_TERMS = ("coulomb", "viscous", "rotor", "reading", "power")
+POSITIVE_TERMS = ("coulomb", "viscous", "rotor", "reading", "power", "load")
 """terms whose numbers cannot be negative"""
 COUPLING_COLUMNS = ("qdd here", "qdd next", "qd here", "qd next", "sign here", "sign next")
 EXTRA_COLUMNS = {
@@ -31,9 +31,12 @@ EXTRA_COLUMNS = {
     "balancer": ("sin q", "cos q"),
     "stribeck": ("bell",),
     "power": ("root qd",),
+    "load": ("load sgn qd",),
     "reading": ("-qdd",),
 }
 """kinds of extras and their columns; those of a coupling act on this joint and on the other"""
+
+States = tuple[Array, Array, Array]
 
 EXPONENT = 0.5
 """of friction that grows less than in proportion to speed; beside Coulomb's and the viscous part,
@@ -69,10 +72,13 @@ class ColumnLayout:
 
     Args:
         n: joints; extras: beside the drive terms of every joint.
+        pressing: bodies phi whose torque the gears carry, as far as they are known before the fit,
+            (10 n,); only friction that grows with it asks for them.
     """
 
     n: int
     extras: tuple[Extra, ...] = ()
+    pressing: tuple[float, ...] = ()
 
     @property
     def inertial(self) -> int:
@@ -130,7 +136,10 @@ def columns(model: Model, layout: ColumnLayout, q: Array, qd: Array, qdd: Array)
     m, n = q.shape
     found = np.zeros((m, n, layout.count))
     found[:, :, : layout.inertial] = model.regressor(q, qd, qdd)
-    for column, joint, signal in _drive_signals(model, layout, q, qd, qdd):
+    load = np.zeros((m, n))
+    if layout.pressing:
+        load = found[:, :, : layout.inertial] @ np.array(layout.pressing)
+    for column, joint, signal in _drive_signals(model, layout, (q, qd, qdd), load):
         found[:, joint, column] = signal
     return found
 
@@ -138,7 +147,8 @@ def columns(model: Model, layout: ColumnLayout, q: Array, qd: Array, qdd: Array)
 def torque_of(
     model: Model, layout: ColumnLayout, theta: Array, q: Array, qd: Array, qdd: Array
 ) -> Array:
-    """`columns` @ theta, shape (m, n) [Nm], without the columns.
+    """`columns` @ theta, shape (m, n) [Nm], without the columns; the gears carry the bodies of
+    `theta`.
 
     Args:
         model: of the arm.
@@ -149,30 +159,42 @@ def torque_of(
         qdd: [rad/s2], shape (m, n).
     """
     bodies = np.array(theta[: layout.inertial])
-    found = np.array(model.body_torque(q, qd, qdd, bodies))
-    for column, joint, signal in _drive_signals(model, layout, q, qd, qdd):
+    load = np.asarray(model.body_torque(q, qd, qdd, bodies))
+    found = np.array(load)
+    for column, joint, signal in _drive_signals(model, layout, (q, qd, qdd), load):
         found[:, joint] += theta[column] * signal
     return found
 
 
 def _drive_signals(
-    model: Model, layout: ColumnLayout, q: Array, qd: Array, qdd: Array
+    model: Model, layout: ColumnLayout, states: States, load: Array
 ) -> Iterator[tuple[int, int, Array]]:
-    """(column, zero-based joint, signal (m,)) of everything that is not a body."""
+    """(column, zero-based joint, signal (m,)) of everything that is not a body.
+
+    Args:
+        model: of the arm; layout: which columns there are.
+        states: q, qd, qdd, (m, n) each; load: torque of the bodies, (m, n) [Nm].
+    """
+    _, qd, qdd = states
     signals = (np.sign(qd), qd, np.ones_like(qd), qdd)
     for place, signal in enumerate(signals):
         for joint in range(layout.n):
             yield layout.inertial + layout.n * place + joint, joint, signal[:, joint]
     for extra in layout.extras:
         first = layout.extra(extra).start
-        for place, (joint, one) in enumerate(_extra_signals(model, extra, q, qd, qdd)):
+        for place, (joint, one) in enumerate(_extra_signals(model, extra, states, load)):
             yield first + place, joint, one
 
 
 def _extra_signals(
-    model: Model, extra: Extra, q: Array, qd: Array, qdd: Array
+    model: Model, extra: Extra, states: States, load: Array
 ) -> list[tuple[int, Array]]:
-    """(zero-based joint, signal) of each column of an extra, in the order of `EXTRA_COLUMNS`."""
+    """(zero-based joint, signal) of each column of an extra, in the order of `EXTRA_COLUMNS`.
+
+    Args:
+        model, states, load: as of `_drive_signals`; extra: whose columns.
+    """
+    q, qd, qdd = states
     j = extra.joint - 1
     if extra.kind in COUPLED:
         k = extra.touches[1]
@@ -185,4 +207,6 @@ def _extra_signals(
         return [(j, np.sign(qd[:, j]) * np.exp(-((qd[:, j] / speed) ** 2)))]
     if extra.kind == "power":
         return [(j, np.sign(qd[:, j]) * np.abs(qd[:, j]) ** EXPONENT)]
+    if extra.kind == "load":
+        return [(j, np.abs(load[:, j]) * np.sign(qd[:, j]))]
     return [(j, -qdd[:, j])]

@@ -23,6 +23,7 @@ from irb2400_ctrl.identification.fitting.moments import (
     Moments,
     Recording,
     faster_half,
+    heavier_half,
     moments,
     predicted,
 )
@@ -48,29 +49,51 @@ def fit(model: Model, parts: Sequence[Recording], extras: Sequence[Extra] | None
         extras: what is taken on; default what gains clearly on unseen stretches.
     """
     n = model.robot.n
-    offered = tuple(extras or ())
     readings = tuple(Extra("reading", j + 1) for j in range(n))
-    if extras is None:
-        offered = (*candidates(n), *readings)
-    whole = ColumnLayout(n, offered)
+    offered = (*candidates(n), *readings) if extras is None else tuple(extras)
+    bare = _fitted_to(model, parts, ColumnLayout(n))
+    whole = _pressed(ColumnLayout(n, offered), bare)
     sums = moments(model, whole, parts)
     prior = prior_of(model.robot, whole, scale_of(parts))
 
     def of(chosen: Sequence[Extra]) -> Fit:
-        layout = ColumnLayout(n, tuple(chosen))
+        layout = replace(whole, extras=tuple(chosen))
         return _fitted(model, parts, layout, *_part(sums, prior, layout, whole))
 
-    if extras is not None:
-        return _settled(model, parts, of(offered))
-    found = of(())
-    fast = cache(lambda: moments(model, whole, faster_half(parts)).summed())
-    chosen = Choice(found, sums.gathered(FOLDS), fast, prior, whole).extras()
-    found = of(chosen) if chosen else found
-    unread = _unread(found)
-    if len(unread):
-        read = of((*chosen, *(readings[j] for j in unread)))
-        found = read if _more_probable(read, found) else found
+    found = bare if extras is None else of(offered)
+    if extras is None:
+        beyond = {
+            "power": cache(lambda: moments(model, whole, faster_half(parts)).summed()),
+            "load": cache(
+                lambda: moments(model, whole, heavier_half(model, whole, parts)).summed()
+            ),
+        }
+        chosen = Choice(bare, sums.gathered(FOLDS), beyond, prior, whole).extras()
+        found = of(chosen) if chosen else bare
+        unread = _unread(found)
+        if len(unread):
+            read = of((*chosen, *(readings[j] for j in unread)))
+            found = read if _more_probable(read, found) else found
+    if any(extra.kind == "load" for extra in found.layout.extras):
+        # the gears carry the bodies that were found, no longer those of a fit without such friction
+        found = _fitted_to(model, parts, _pressed(found.layout, found))
     return _settled(model, parts, found)
+
+
+def _pressed(layout: ColumnLayout, found: Fit) -> ColumnLayout:
+    """The layout with gears that carry the bodies of a fit."""
+    return replace(layout, pressing=tuple(found.theta[: layout.inertial].tolist()))
+
+
+def _fitted_to(model: Model, parts: Sequence[Recording], layout: ColumnLayout) -> Fit:
+    """`_fitted` with the sums and the prior of a layout.
+
+    Args:
+        model: of the arm; parts: the recordings.
+        layout: which columns there are.
+    """
+    prior = prior_of(model.robot, layout, scale_of(parts))
+    return _fitted(model, parts, layout, moments(model, layout, parts), prior)
 
 
 def left_unseen(model: Model, parts: Sequence[Recording]) -> Array:

@@ -108,12 +108,35 @@ def recordings(motions: Sequence[PreparedLog], given: Sequence[Array]) -> list[R
 def faster_half(parts: Sequence[Recording]) -> list[Recording]:
     """The recordings as if each joint were known only at more than half of its fastest speed, the
     one that a hundredth of the samples of its motion exceed."""
-    every = np.concatenate([np.where(p.motion.known, np.abs(p.motion.qd), 0.0) for p in parts])
-    moving = [speed[speed > STICKING_SPEED] for speed in every.T]
-    edge = [0.5 * np.quantile(s, 0.99) if s.size else np.inf for s in moving]
+    return _upper_half(parts, [np.abs(part.motion.qd) for part in parts])
+
+
+def heavier_half(model: Model, layout: ColumnLayout, parts: Sequence[Recording]) -> list[Recording]:
+    """The same of the torque that each gear carries (`ColumnLayout.pressing`).
+
+    Args:
+        model: of the arm; layout: whose bodies press; parts: the recordings.
+    """
+    bodies = np.array(layout.pressing)
+    loads = []
+    for part in parts:
+        m = part.motion
+        loads.append(np.abs(model.body_torque(m.q, m.qd, m.qdd, bodies)))
+    return _upper_half(parts, loads)
+
+
+def _upper_half(parts: Sequence[Recording], sizes: Sequence[Array]) -> list[Recording]:
+    """As if known only where a size (m, n) is more than half of its largest in motion."""
+    pairs = list(zip(parts, sizes, strict=True))
+    moves = [p.motion.known & (np.abs(p.motion.qd) > STICKING_SPEED) for p in parts]
+    every = np.concatenate([np.where(m, s, np.nan) for m, s in zip(moves, sizes, strict=True)])
+    edge = [
+        0.5 * np.quantile(own[~np.isnan(own)], 0.99) if (~np.isnan(own)).any() else np.inf
+        for own in every.T
+    ]
     return [
-        replace(p, motion=replace(p.motion, known=p.motion.known & (np.abs(p.motion.qd) > edge)))
-        for p in parts
+        replace(p, motion=replace(p.motion, known=p.motion.known & (size > edge)))
+        for p, size in pairs
     ]
 
 

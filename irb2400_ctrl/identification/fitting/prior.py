@@ -32,6 +32,8 @@ RESTING = 0.02
 """speed and acceleration of a joint that counts as resting, over those of the fastest"""
 WIDE = 1.0
 """torque of a number that nobody knows, as a share of the joint's rms torque"""
+GEAR_LOSS = 0.05
+"""dry friction over the torque that a gear carries [-]"""
 
 
 @dataclass(frozen=True)
@@ -139,6 +141,8 @@ def _extra_widths(extra: Extra, wide: Array, speed: Array, acceleration: Array) 
         return np.array([wide[on] / size[by] for size in sizes for on, by in pairs])
     if extra.kind == "reading":
         return np.array([wide[j] / acceleration[j]])
+    if extra.kind == "load":
+        return np.array([GEAR_LOSS])
     if extra.kind == "power":
         return np.array([wide[j] / speed[j] ** EXPONENT])
     return np.full(extra.size, wide[j])
