@@ -178,7 +178,7 @@ def _identified(robot: Robot, seen: Logs, others: Logs, gains: Gains | None) -> 
             *beside.notes,
             *against,
             *(one.says() for one in told_late),
-            *notes_of(moved, found, np.sqrt(np.diag(covariance)), said),
+            *notes_of(moved, found, covariance, said),
             *resting(told),
             *_recorded_how(parts, curves, sensed),
         ],

@@ -8,6 +8,7 @@ import numpy as np
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.identification.few_samples import few_samples
+from irb2400_ctrl.identification.fitting.columns import Extra
 from irb2400_ctrl.identification.fitting.fitted import Fit
 from irb2400_ctrl.identification.gate import Verdict
 from irb2400_ctrl.identification.identification import LogResult
@@ -122,11 +123,26 @@ def of_the_bodies(moved: Sequence[Moved], results: Sequence[LogResult], doubted:
     ]
 
 
-def notes_of(moved: Sequence[Moved], found: Fit, errors: Array, said: str) -> list[str]:
+def _sure(extra: Extra, found: Fit, covariance: Array) -> bool:
+    """Whether some number of it is beyond its standard error; of a reading without what accelerates
+    its drive that is what it lacks beyond the rotor: logs tell the difference of the two alone.
+
+    Args:
+        extra: one of the fit; found: the fit; covariance: of its numbers, shape (p, p).
+    """
+    own = found.layout.extra(extra)
+    picked = np.eye(found.layout.count)[own]
+    if extra.kind == "reading":
+        picked[0, found.layout.drive("rotor").start + extra.joint - 1] = -1.0
+    errors = np.sqrt(np.maximum(np.diag(picked @ covariance @ picked.T), 0.0))
+    return bool((np.abs(picked @ found.theta) > SURE * errors).any())
+
+
+def notes_of(moved: Sequence[Moved], found: Fit, covariance: Array, said: str) -> list[str]:
     """What the reader has to know first.
 
     Args:
-        moved: of every link; found: the fit; errors: standard errors of its numbers, shape (p,).
+        moved: of every link; found: the fit; covariance: of its numbers, shape (p, p).
         said: of bodies that cannot exist, "" where all can.
     """
     notes = []
@@ -160,8 +176,7 @@ def notes_of(moved: Sequence[Moved], found: Fit, errors: Array, said: str) -> li
         "power": "has friction that does not grow in proportion to its speed",
     }
     for extra in found.layout.extras:
-        own = found.layout.extra(extra)
-        sure = (np.abs(found.theta[own]) > SURE * errors[own]).any()
+        sure = _sure(extra, found, covariance)
         doubt = "" if sure else ", by less than twice the standard error of it: perhaps not"
         notes.append(f"joint {extra.joint} {kinds[extra.kind]}{doubt}")
     return [*notes, said] if said else notes

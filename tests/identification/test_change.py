@@ -28,6 +28,7 @@ from irb2400_ctrl.measurement.prepared_log import prepare
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.report.pages.diagnosis_page import lines
 from irb2400_ctrl.report.pages.three_lists import numbers_of
+from irb2400_ctrl.robot import Identified
 
 ROBOT = possible_robot()
 CENTRE = np.array([0.03, -0.02, FLANGE_OFFSET + 0.12])
@@ -132,6 +133,35 @@ def test_the_prior_of_an_identified_arm_is_its_covariance() -> None:
     offsets = prior.deviations(z)[k : k + 6]
     moving = np.abs(motion.qd) > 0.1
     np.testing.assert_allclose((step + offsets)[moving], (columns @ z)[moving], atol=2e-3)
+
+
+def test_what_a_reading_lacks_is_known_beyond_the_rotor() -> None:
+    """Of each alone the logs say nothing: the rotor of a joint that reads so was free, and took
+    whatever went with the acceleration."""
+    robot = known().robot
+    assert robot.identified is not None
+    names = list(robot.identified.root)
+    n = len(names)
+    C = robot.identified.rows(names)
+    rotor = names.index("rotor_4")
+    # a reading that lacks what the rotor has, and 0.3 +- 0.01 kg m2 more; 300 are open in both
+    wide = np.vstack([C, C[rotor]])
+    wide = np.hstack([wide, np.zeros((n + 1, 2))])
+    wide[[rotor, n], -2] = 300.0
+    wide[n, -1] = 0.01
+    identified = Identified.of([*names, "reading_4 -qdd"], wide @ wide.T)
+    lacking = LIBRARY["acceleration_reading"].of(4, inertia_kgm2=0.3)
+    given = robot.with_effects(lacking).model_copy(update={"identified": identified})
+    prior = IdentifiedPrior.of(given, given.uncertainty, prepare(log(1)))
+    place = len(prior.root) - 3
+    assert np.linalg.norm(prior.known[place]) == pytest.approx(0.01, rel=0.05)
+    # less than no rotor is more that is not read
+    was = next(e for e in given.effects if e.kind == "rotor_inertia" and e.joint == 4)
+    deviations = np.zeros(len(prior.root))
+    deviations[place] = -was.coefficients()[0] - 0.05
+    moved = {e.kind: e.coefficients()[0] for e in prior.updated(deviations).effects if e.joint == 4}
+    assert moved["rotor_inertia"] == 0.0
+    assert moved["acceleration_reading"] == pytest.approx(0.35)
 
 
 def test_a_reference_that_is_not_understood_is_refused() -> None:

@@ -13,9 +13,14 @@ import irb2400_ctrl as irb
 from irb2400_ctrl.identification.fitting.choice import PINNED
 from irb2400_ctrl.identification.fitting.columns import ColumnLayout, Extra
 from irb2400_ctrl.identification.fitting.estimate import DOUBT, estimate
-from irb2400_ctrl.identification.fitting.fit import fit
+from irb2400_ctrl.identification.fitting.fit import NEGATIVE, _signed_rotors, _unread, fit
 from irb2400_ctrl.identification.fitting.fitted import Fit
-from irb2400_ctrl.identification.fitting.moments import Recording, recordings
+from irb2400_ctrl.identification.fitting.moments import (
+    Recording,
+    faster_half,
+    moments,
+    recordings,
+)
 from irb2400_ctrl.identification.fitting.motion_source import motion_of
 from irb2400_ctrl.identification.identified_robot import fit_base
 
@@ -52,6 +57,27 @@ def test_a_sound_arm_reads_all_of_its_torque(lacking: Lacking) -> None:
     model, (part,) = lacking
     whole = replace(part.motion, tau=part.motion.tau + LACKS * part.motion.qdd)
     assert readings_of(fit(model, [replace(part, motion=whole)])) == ()
+
+
+def test_friction_that_is_late_to_turn_is_no_reading(lacking: Lacking) -> None:
+    """It lacks torque at reversals, where accelerations are largest; where the joint is fast it
+    lacks none."""
+    model, (part,) = lacking
+    m = part.motion
+    tau = m.tau + LACKS * m.qdd
+    state = 0.0
+    for k, step in enumerate(np.diff(m.q[:, 1], prepend=m.q[0, 1])):
+        state = np.clip(state + step / 0.05, -1.0, 1.0)
+        tau[k, 1] += 20.0 * (state - np.sign(m.qd[k, 1]))
+    late = [replace(part, motion=replace(m, tau=tau))]
+    bare = fit(model, late, ())
+    fast = moments(model, bare.layout, faster_half(late)).summed()
+    values, errors = _signed_rotors(bare, bare.sums.summed())
+    assert values[1] < -NEGATIVE * errors[1]
+    assert len(_unread(bare, fast)) == 0
+    # the same where it is as much in motion
+    assert 1 in _unread(bare, bare.sums.summed())
+    assert readings_of(fit(model, late)) == ()
 
 
 def test_a_rotor_beside_a_reading_is_none(lacking: Lacking) -> None:

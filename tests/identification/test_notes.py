@@ -24,11 +24,15 @@ def test_what_is_within_its_own_error_is_not_said_as_a_fact(
     """Of a hobby arm 0.15 ± 0.35 kg m2 was "reads its torque without part of what accelerates"."""
     layout = ColumnLayout(2, (Extra("reading", 2),))
     theta = np.ones(layout.count)
-    errors = np.full(layout.count, 1e-6)
-    theta[layout.extra(layout.extras[0])] = value
-    errors[layout.extra(layout.extras[0])] = error
+    rotor = layout.drive("rotor").start + 1
+    own = layout.extra(layout.extras[0]).start
+    covariance = np.diag(np.full(layout.count, 1e-12))
+    theta[own] = theta[rotor] + value
+    # of each alone the logs say nothing: nearly the same is open in both
+    covariance[np.ix_([rotor, own], [rotor, own])] = 1e4
+    covariance[own, own] += error**2
     found: Any = SimpleNamespace(layout=layout, theta=theta)
-    (note,) = notes_of((), found, errors, "")
+    (note,) = notes_of((), found, covariance, "")
     assert note.startswith("joint 2 reads its torque without part of what accelerates it")
     assert note.endswith("perhaps not") != sure
 

@@ -21,10 +21,11 @@ from irb2400_ctrl.diagnosis.preparation.base_prior import (
     named_bodies,
 )
 from irb2400_ctrl.effects import LIBRARY, Effect
+from irb2400_ctrl.effects.acceleration_reading import AccelerationReading
 from irb2400_ctrl.measurement.prepared_log import PreparedLog
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.model.base_parameters import NAMES
-from irb2400_ctrl.robot import Robot, Uncertainty
+from irb2400_ctrl.robot import Identified, Robot, Uncertainty
 
 DAILY_FRICTION = 0.1
 """change of Coulomb and viscous friction from one day to another, one standard deviation [-]"""
@@ -127,11 +128,26 @@ def _identified_rows(base: BasePrior) -> Array:
     for term, size in (("coulomb", coulomb), ("viscous", viscous)):
         blocks.append(robot.identified.rows(_of_joints(term, n)) / size[:, None])
     static = np.zeros((n, blocks[0].shape[1]))
-    drives = [robot.identified.rows(_of_joints(term, n)) for term in ("offset", "rotor")]
-    L = np.vstack([*blocks, static, *drives])
+    offsets = robot.identified.rows(_of_joints("offset", n))
+    L = np.vstack([*blocks, static, offsets, _rotors(robot.identified, n)])
     own_static = np.zeros((len(L), n))
     own_static[-3 * n : -2 * n] = np.eye(n)
     return np.hstack([L, own_static])
+
+
+def _rotors(identified: Identified, n: int) -> Array:
+    """Rows of L of the rotors; where a reading lacks what accelerates its drive, of the difference
+    of the two: the file keeps what the reading lacks, and a log shows no more of them.
+
+    Args:
+        identified: the covariance; n: joints.
+    """
+    rows = identified.rows(_of_joints("rotor", n))
+    for j in range(n):
+        lacking = f"reading_{j + 1} -qdd"
+        if lacking in identified.root:
+            rows[j] -= identified.rows([lacking])[0]
+    return rows
 
 
 def _of_joints(term: str, n: int) -> list[str]:
@@ -144,9 +160,14 @@ def _square(root: Array) -> Array:
 
 
 def _shifted(effects: list[Any], kind: str, field: str, joint: int, change: float) -> list[Any]:
-    """The effects with one number changed; the effect is made where there is none."""
+    """The effects with one number changed; the effect is made where there is none.
+
+    What a rotor, which has no negative inertia, cannot give, a reading lacks more, where it lacks
+    what accelerates its drive.
+    """
     found: list[Effect] = []
     there = False
+    value = change
     for effect in effects:
         if effect.kind == kind and effect.joint == joint and not there:
             there = True
@@ -155,9 +176,15 @@ def _shifted(effects: list[Any], kind: str, field: str, joint: int, change: floa
             effect = effect.model_copy(update=fields)
         found.append(effect)
     if not there:
-        value = _allowed(kind, change)
-        found.append(LIBRARY[kind].of(joint, **{field: value}, source="identified"))
-    return found
+        found.append(LIBRARY[kind].of(joint, **{field: _allowed(kind, value)}, source="identified"))
+    if value == _allowed(kind, value):
+        return found
+    return [
+        e.model_copy(update={"inertia_kgm2": e.inertia_kgm2 - value})
+        if isinstance(e, AccelerationReading) and e.joint == joint
+        else e
+        for e in found
+    ]
 
 
 def _allowed(kind: str, value: float) -> float:

@@ -40,6 +40,9 @@ NEGATIVE = 3.0
 """standard errors below zero at which a rotor is none: its drive does not read what accelerates"""
 LIKE = 1.0
 """and the same of the others, once one drive is known to read so: drives are alike"""
+IN_MOTION = (2.0, 0.6)
+"""standard errors below zero, and share of what all samples say, of such a rotor where the joint is
+fast: friction that is late to turn looks like one at reversals alone"""
 
 
 def fit(model: Model, parts: Sequence[Recording], extras: Sequence[Extra] | None = None) -> Fit:
@@ -70,7 +73,7 @@ def fit(model: Model, parts: Sequence[Recording], extras: Sequence[Extra] | None
         }
         chosen = Choice(bare, sums.gathered(FOLDS), beyond, prior, whole).extras()
         found = of(chosen) if chosen else bare
-        unread = _unread(found)
+        unread = _unread(found, beyond["power"]().part(found.layout.within(whole)))
         if len(unread):
             read = of((*chosen, *(readings[j] for j in unread)))
             found = read if _more_probable(read, found) else found
@@ -210,22 +213,34 @@ def _without_read_rotors(prior: Prior, layout: ColumnLayout) -> Prior:
     return replace(prior, drives=drives)
 
 
-def _unread(base: Fit) -> Integers:
+def _unread(base: Fit, fast: Moments) -> Integers:
     """Zero-based joints whose rotor is below zero where it may be: their drives read the torque
-    without part of what accelerates the joint."""
-    layout = base.layout
-    rotor = layout.drive("rotor")
-    bounded = layout.positive()
+    without part of what accelerates the joint.
+
+    Args:
+        base: a fit without such readings; fast: sums of the faster half, with its columns.
+    """
+    value, error = _signed_rotors(base, base.sums.summed())
+    fast_value, fast_error = _signed_rotors(base, fast)
+    below = -value / error
+    clear, share = IN_MOTION
+    told = (below > NEGATIVE) & (-fast_value > clear * fast_error) & (fast_value < share * value)
+    return np.flatnonzero(below > LIKE) if told.any() else np.array([], dtype=int)
+
+
+def _signed_rotors(base: Fit, data: Moments) -> tuple[Array, Array]:
+    """Rotors that may be below zero, and their standard errors, shape (n,) [kg m2].
+
+    Args:
+        base: whose columns and noise they are; data: one block.
+    """
+    rotor = base.layout.drive("rotor")
+    bounded = base.layout.positive()
     bounded[rotor] = False
     signed = estimate(
-        base.sums.summed(),
-        base.prior,
-        correlation=base.correlation,
-        positive=bounded,
-        start=base.numbers,
+        data, base.prior, correlation=base.correlation, positive=bounded, start=base.numbers
     )
-    below = -signed.theta[rotor] / np.sqrt(np.diag(signed.covariance)[rotor])
-    return np.flatnonzero(below > (LIKE if below.max() > NEGATIVE else NEGATIVE))
+    return signed.theta[rotor], np.sqrt(np.diag(signed.covariance))[rotor]
 
 
 def _more_probable(one: Fit, other: Fit) -> bool:
