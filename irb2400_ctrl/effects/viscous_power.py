@@ -43,4 +43,4 @@ class ViscousPower(Effect):
 
     @classmethod
     def grid(cls, joint: int | None) -> list[dict[str, float]]:
-        return [{"exponent": p} for p in (0.4, 0.6, 1.5, 2.0)]
+        return [{"exponent": p} for p in (0.4, 0.6, 1.5, 2.0, 2.5)]

@@ -132,6 +132,10 @@ def test_beside_a_swing_the_fit_is_asked_of_the_joints_that_it_shakes() -> None:
     assert not judged(name, [0.0, 5.0, -60.0], beside=rigid)
     assert not judged(name, [60.0, -5.0, 0.0], beside=spring)
     assert not judged(name, [0.0, 5.0, 0.0], worth=-1.0, beside=spring)
+    # a rotor of 1,075 nats was refused for what a fit beside play of another axis says unseen
+    assert judged(name, [0.0, 670.0, 0.0], worth=-117.0, elsewhere=236.0, beside=spring)
+    assert not judged(name, [0.0, 100.0, 0.0], worth=-117.0, elsewhere=236.0, beside=spring)
+    assert not judged(name, [0.0, 670.0, 0.0], worth=-117.0, elsewhere=236.0, beside=rigid)
 
 
 def test_how_a_swing_began_is_not_asked_of_rows_that_do_not_show_it() -> None:

@@ -140,7 +140,12 @@ class Acceptance:
         if all_found and not self._of_one_size(steps, fit, place):
             return False
         worth = held_out.worth(place)
-        if beyond and own(candidate, worth) <= 0.0:
+        told = held_out.told(place)
+        swings = any(c.devices for c in chosen)
+        # a transmission that swings is followed roughly, on unseen rows of all joints: what the
+        # file says sample by sample may make up for it
+        seen = own(candidate, worth) + (own(candidate, told) if swings else 0.0)
+        if beyond and seen <= 0.0:
             return False
         if not shaken(candidate, chosen) and (
             own(candidate, held_out.over_given(effects_of(chosen, place))) <= 0.0
@@ -149,10 +154,9 @@ class Acceptance:
             return False
         # what other numbers could say as well has their being unlikely to its credit
         credit = 0.0 if beyond else steps[place].gain
-        told = held_out.told(place)
         # how a transmission swings no file says sample by sample: of the joints that it shakes the
         # fit is asked
-        whole = worth if any(c.devices for c in chosen) else told
+        whole = worth if swings else told
         nats = [own(candidate, told), float(whole.nats.sum())]
         if not beyond:
             # beside a law of rough shape such numbers bend where that was seen

@@ -111,7 +111,7 @@ class Scan(LogColumns):
         grid, laws = self.laws[kind, joint]
         best: Candidate | None = None
         for looked, place in enumerate(self._promising(problem, kind, joint, laws)):
-            if looked >= KEPT and best is not None:
+            if looked >= KEPT and best is not None and not LIBRARY[kind].search.device:
                 break
             nonlinear = grid[place]
             forms = self.forms(kind, self.member(kind, joint, nonlinear)[0])
