@@ -30,6 +30,12 @@ def rms(values: Array) -> Array:
     return np.asarray(np.sqrt(np.mean(values**2, axis=0)))
 
 
+def true_stretches(mask: Mask) -> Integers:
+    """[start, stop) of every stretch in which a mask (m,) is true, shape (k, 2)."""
+    edges = np.diff(np.concatenate([[False], mask, [False]]).astype(np.int8))
+    return np.flatnonzero(edges).reshape(-1, 2)
+
+
 def rotation_about(index: int, angle: float) -> Array:
     """The rotation about x, y or z (0, 1, 2) by an angle [rad], shape (3, 3)."""
     a = (index + 1) % 3

@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from irb2400_ctrl.arrays import Array, Mask
+from irb2400_ctrl.arrays import Array, Mask, true_stretches
 from irb2400_ctrl.measurement import Log
 from irb2400_ctrl.measurement.time_base import with_time_base
 from irb2400_ctrl.measurement.uniform import UniformLog, resample
@@ -132,9 +132,8 @@ def _speed(q: Array, width: int, step: float) -> Array:
 
 def _stretches(name: str, motion: UniformLog, j: int, inside: Mask, noise: float) -> list[Run]:
     """The runs of a zero-based joint."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[0], inside.astype(np.int8), [0]])))
     found = []
-    for start, stop in zip(edges[::2], edges[1::2], strict=True):
+    for start, stop in true_stretches(inside):
         part = slice(start, stop)
         if (stop - start) * motion.step < SHORTEST:
             continue

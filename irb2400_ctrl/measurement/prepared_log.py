@@ -10,7 +10,7 @@ from itertools import pairwise
 import numpy as np
 from scipy.ndimage import uniform_filter1d
 
-from irb2400_ctrl.arrays import Array, Mask
+from irb2400_ctrl.arrays import Array, Mask, true_stretches
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.measurement.log import Log
 from irb2400_ctrl.measurement.motion.angle_smoothing import AngleSmoothing, angle_smoothing
@@ -324,8 +324,7 @@ def _lasting(found: Mask, least: int) -> Mask:
     """Only stretches of at least so many samples, per joint."""
     kept = np.zeros_like(found)
     for j in range(found.shape[1]):
-        edges = np.flatnonzero(np.diff(np.concatenate([[0], found[:, j].astype(np.int8), [0]])))
-        for start, stop in zip(edges[::2], edges[1::2], strict=True):
+        for start, stop in true_stretches(found[:, j]):
             if stop - start >= max(1, least):
                 kept[start:stop, j] = True
     return kept

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from irb2400_ctrl.arrays import Array, Mask
+from irb2400_ctrl.arrays import Array, Mask, true_stretches
 from irb2400_ctrl.measurement.log import Log
 from irb2400_ctrl.plausibility.problem import LogProblem
 
@@ -20,8 +20,7 @@ def runs(values: Array, least: int) -> Iterator[Run]:
 
 def stretches(equal: Mask, least: int) -> Iterator[Run]:
     """Stretches of neighbours that are `equal`, as [start, stop) of their samples."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[0], equal.astype(np.int8), [0]])))
-    for start, stop in zip(edges[::2], edges[1::2], strict=True):
+    for start, stop in true_stretches(equal):
         if stop - start + 1 >= least:
             yield int(start), int(stop) + 1
 

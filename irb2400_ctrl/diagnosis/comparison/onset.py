@@ -9,6 +9,7 @@ from itertools import chain, pairwise
 
 import numpy as np
 
+from irb2400_ctrl.arrays import true_stretches
 from irb2400_ctrl.diagnosis.comparison.scan import Scan
 from irb2400_ctrl.diagnosis.estimation.candidate import Candidate, Point, plausible
 from irb2400_ctrl.diagnosis.estimation.evidence import Problem, law_gain
@@ -195,12 +196,10 @@ class Windowing:
         size = size * np.sign(size[np.argmax(np.abs(size))])
         found = []
         for full in (np.quantile(size, 0.9), size.max()):
-            on = size > 0.5 * full
-            edges = np.flatnonzero(np.diff(np.concatenate([[False], on, [False]]).astype(int)))
             found.append(
                 tuple(
                     (float(time[0] + BLOCK * a), float(time[0] + BLOCK * b))
-                    for a, b in zip(edges[::2], edges[1::2], strict=True)
+                    for a, b in true_stretches(size > 0.5 * full)
                 )
             )
         return [windows for windows in found if windows]

@@ -19,7 +19,7 @@ import numpy as np
 from scipy.ndimage import convolve1d, uniform_filter1d
 from scipy.signal import firwin, welch
 
-from irb2400_ctrl.arrays import Array, Mask
+from irb2400_ctrl.arrays import Array, Mask, true_stretches
 from irb2400_ctrl.measurement.log import Log
 from irb2400_ctrl.measurement.uniform import SMOOTHING, UniformLog, resample, smoothed
 
@@ -103,12 +103,11 @@ def angle_smoothing(log: UniformLog, q: Array, even: Log) -> AngleSmoothing:
 
 def _longest(valid: Mask) -> slice:
     """The longest stretch without a gap."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], valid, [False]]).astype(int)))
-    if not len(edges):
+    found = true_stretches(valid)
+    if not len(found):
         return slice(0, 0)
-    lengths = edges[1::2] - edges[::2]
-    first = int(edges[::2][np.argmax(lengths)])
-    return slice(first, first + int(lengths.max()))
+    start, stop = found[np.argmax(np.diff(found)[:, 0])]
+    return slice(int(start), int(stop))
 
 
 def white_on_grid(even: Log, step: float) -> Array:

@@ -14,7 +14,7 @@ from dataclasses import replace
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from irb2400_ctrl.arrays import Array, Integers, Mask
+from irb2400_ctrl.arrays import Array, Integers, Mask, true_stretches
 from irb2400_ctrl.measurement.log import Log
 
 HELD = 0.3
@@ -120,9 +120,8 @@ def without_repeated(log: Log) -> tuple[Log, str]:
     if len(log.time) < FEWEST:
         return log, ""
     steps = np.abs(np.diff(log.q, axis=0))
-    edges = np.diff(np.concatenate([[False], (steps == 0.0).all(axis=1), [False]]).astype(int))
-    last = np.flatnonzero(edges == 1)  # rows that are new, and
-    behind = np.flatnonzero(edges == -1) + 1  # the next that are: those between repeat
+    last, stops = true_stretches((steps == 0.0).all(axis=1)).T
+    behind = stops + 1  # the next row that is new: those between repeat the last
     inside = (last > 0) & (behind < len(log.time))
     last = last[inside]
     behind = behind[inside]
@@ -152,9 +151,8 @@ def thawed(log: Log) -> tuple[Log, str]:
     if len(log.time) < FEWEST:
         return log, ""
     unchanged = np.diff(log.tau, axis=0) == 0.0
-    edges = np.diff(np.concatenate([[False], unchanged.all(axis=1), [False]]).astype(int))
-    starts = np.flatnonzero(edges == 1)  # the last rows that are new
-    stops = np.flatnonzero(edges == -1)  # the last that repeat them
+    # the last rows that are new, and the last that repeat them
+    starts, stops = true_stretches(unchanged.all(axis=1)).T
     passed = log.time[stops] - log.time[starts]
     moved = np.abs(log.q[np.minimum(stops + 1, len(log.q) - 1)] - log.q[starts])
     least = np.maximum(

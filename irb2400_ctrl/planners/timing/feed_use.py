@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from irb2400_ctrl.arrays import Array, Integers
+from irb2400_ctrl.arrays import Array, Integers, true_stretches
 from irb2400_ctrl.planners.enclosure.path_dynamics import PathDynamics
 from irb2400_ctrl.planners.timing.motion_limits import MotionLimits
 from irb2400_ctrl.planners.timing.passing_times import passing_times, point_lengths
@@ -261,8 +261,7 @@ def _named(used: Array, smooth: bool, dynamics: PathDynamics) -> str:
 
 def _parts(chosen: npt.NDArray[np.bool_]) -> list[tuple[int, int]]:
     """First cell and the one after the last of every stretch of chosen cells."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], chosen, [False]]).astype(int)))
-    return [(int(a), int(b)) for a, b in edges.reshape(-1, 2)]
+    return [(int(a), int(b)) for a, b in true_stretches(chosen)]
 
 
 def _joined(parts: list[tuple[int, int]], way: Array) -> list[tuple[int, int]]:
