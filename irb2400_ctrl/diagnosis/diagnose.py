@@ -23,13 +23,13 @@ from irb2400_ctrl.diagnosis.estimation.reversals import noisy_reversals_masked, 
 from irb2400_ctrl.diagnosis.findings import findings_of, unexplained_of
 from irb2400_ctrl.diagnosis.load_test import moved_as_by_a_load
 from irb2400_ctrl.diagnosis.log_errors import log_errors
-from irb2400_ctrl.diagnosis.numbers import BODY, numbers
+from irb2400_ctrl.diagnosis.numbers import numbers
 from irb2400_ctrl.diagnosis.possible_bodies import (
     IMPOSSIBLE,
     turns_impossible,
     with_possible_bodies,
 )
-from irb2400_ctrl.diagnosis.preparation.base_prior import BasePrior
+from irb2400_ctrl.diagnosis.preparation.base_prior import BODY, BasePrior
 from irb2400_ctrl.diagnosis.preparation.contacts import contacts_of
 from irb2400_ctrl.diagnosis.preparation.doubtful_accelerations import doubtful_accelerations
 from irb2400_ctrl.diagnosis.preparation.identified_prior import IdentifiedPrior

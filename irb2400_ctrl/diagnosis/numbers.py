@@ -12,7 +12,12 @@ import numpy as np
 from irb2400_ctrl.arrays import Array, Mask
 from irb2400_ctrl.diagnosis.estimation.fit import Fit
 from irb2400_ctrl.diagnosis.lists import FindingList
-from irb2400_ctrl.diagnosis.preparation.base_prior import BasePrior, named_bodies
+from irb2400_ctrl.diagnosis.preparation.base_prior import (
+    BODY,
+    BasePrior,
+    body_numbers,
+    named_bodies,
+)
 from irb2400_ctrl.diagnosis.preparation.identified_prior import IdentifiedPrior
 from irb2400_ctrl.robot import Robot
 
@@ -30,7 +35,6 @@ IDENTIFY = (
     "Bodies so far off are not this arm's: identify it first (irb2400 identify LOG... --out arm) "
     "and diagnose with that file; until then a name may stand for what the file has wrong."
 )
-BODY = ("mass_kg", "com_x_m", "com_y_m", "com_z_m", "Ixx", "Iyy", "Izz", "Ixy", "Ixz", "Iyz")
 LOAD = "load_kg"
 """on the flange, beyond the tool's mass: what all numbers together moved as (`load_test.py`)"""
 FRICTION = ("coulomb_Nm", "viscous_Nms_rad", "static_Nm")
@@ -189,9 +193,7 @@ def _names(robot: Robot) -> list[tuple[str, str]]:
 
 
 def _values(robot: Robot) -> Array:
-    bodies = [
-        np.array([body.mass_kg, *body.com_m, *body.inertia_kgm2]) for body, _ in named_bodies(robot)
-    ]
+    bodies = [body_numbers(body) for body, _ in named_bodies(robot)]
     friction = robot.friction[:, [1, 2, 0]].T.ravel()
     return np.concatenate([*bodies, friction])
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from irb2400_ctrl.arrays import Array
-from irb2400_ctrl.diagnosis.preparation.base_prior import body_spread
+from irb2400_ctrl.diagnosis.preparation.base_prior import BODY, body_numbers, body_spread
 from irb2400_ctrl.identification.fitting.consistent_fit import (
     consistent_minimum,
     possible,
@@ -15,7 +15,7 @@ from irb2400_ctrl.identification.fitting.consistent_fit import (
 )
 from irb2400_ctrl.identification.fitting.prior import Prior
 from irb2400_ctrl.identification.identified_robot import body_of
-from irb2400_ctrl.robot import Body, Robot
+from irb2400_ctrl.robot import Robot
 
 ALARM = 4.0
 """standard deviations beyond which a body is not the file's"""
@@ -35,7 +35,6 @@ ELEMENTS = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
 """of an inertia, in the order of `Body.inertia_kgm2`"""
 PHI_ELEMENTS = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))
 """the same in the order of phi"""
-NAMES = ("mass_kg", "com_x_m", "com_y_m", "com_z_m", "Ixx", "Iyy", "Izz", "Ixy", "Ixz", "Iyz")
 
 
 @dataclass(frozen=True)
@@ -61,7 +60,7 @@ class Moved:
     def most(self) -> tuple[str, float]:
         """The number that went furthest, and how far."""
         place = int(np.argmax(np.abs(self.sigmas)))
-        return NAMES[place], float(self.sigmas[place])
+        return BODY[place], float(self.sigmas[place])
 
     @property
     def shown(self) -> tuple[str, float]:
@@ -69,7 +68,7 @@ class Moved:
         one that stayed where there is none."""
         clear = np.where(np.abs(self.sigmas) > SHOWN * self.errors, self.sigmas, 0.0)
         place = int(np.argmax(np.abs(clear)))
-        return (NAMES[place], float(clear[place])) if clear[place] else ("", 0.0)
+        return (BODY[place], float(clear[place])) if clear[place] else ("", 0.0)
 
     @property
     def far(self) -> bool:
@@ -102,16 +101,16 @@ def moved_bodies(
     for link in range(robot.n):
         before = nearest[link]
         own = slice(10 * link, 10 * link + 10)
-        after = _numbers(body_of(theta[own]))
+        after = body_numbers(body_of(theta[own]))
         body = body_of(np.array([max(before[0], 1e-9), *before[1:]]))
         spread = np.maximum(body_spread(robot.uncertainty, body, robot.links[link].name), LEAST)
-        change = after - _numbers(body)
+        change = after - body_numbers(body)
         file = pseudo_inertias(robot.inertial_parameters[link : link + 1])[0]
         could_be = bool(np.linalg.eigvalsh(file)[0] > -ROUNDING * abs(np.trace(file)))
         sigmas = change / spread
         errors = _errors(theta[own], covariance[own, own]) / spread
         width = float(kappa[link])
-        found.append(Moved(link + 1, _numbers(body), after, sigmas, errors, width, could_be))
+        found.append(Moved(link + 1, body_numbers(body), after, sigmas, errors, width, could_be))
     return found
 
 
@@ -144,7 +143,3 @@ def _errors(phi: Array, covariance: Array) -> Array:
     # the file's order of the elements is not that of phi
     slope[4:, 4:] = np.array([[float(e == f) for f in PHI_ELEMENTS] for e in ELEMENTS])
     return np.asarray(np.sqrt(np.maximum(np.diag(slope @ covariance @ slope.T), 0.0)))
-
-
-def _numbers(body: Body) -> Array:
-    return np.array([body.mass_kg, *body.com_m, *body.inertia_kgm2])

@@ -7,7 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from irb2400_ctrl.identification.moved import ALARM, NAMES, Moved, _errors
+from irb2400_ctrl.diagnosis.preparation.base_prior import BODY
+from irb2400_ctrl.identification.moved import ALARM, Moved, _errors
 from irb2400_ctrl.identification.notes import shared_factor
 from irb2400_ctrl.report.pages.identification_page import TWICE, moved_figure
 from irb2400_ctrl.robot import Body
@@ -43,7 +44,7 @@ def test_the_figure_shows_change_and_what_is_open() -> None:
     low, high = np.array(bars.get_segments())[:, :, 1].T
     np.testing.assert_allclose([low, high], [sigmas - TWICE * errors, sigmas + TWICE * errors])
     assert [tick.get_text() for tick in axis.get_xticklabels()] == [
-        name.removesuffix("_kg").removesuffix("_m") for name in NAMES
+        name.removesuffix("_kg").removesuffix("_m") for name in BODY
     ]
     assert axis.get_ylim()[1] > max(ALARM, 7.0)
 

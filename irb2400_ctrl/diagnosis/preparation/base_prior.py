@@ -26,6 +26,8 @@ reversals the search of a UR10 took 42 looks in place of 15, for the same names"
 UNKNOWN_FRICTION = 0.5
 LEAST_MASS = 0.1
 """of a link over the file's, below which all links keep the file's masses [-]"""
+BODY = ("mass_kg", "com_x_m", "com_y_m", "com_z_m", "Ixx", "Iyy", "Izz", "Ixy", "Ixz", "Iyz")
+"""the numbers of a body, in the file's order"""
 
 
 def named_bodies(robot: Robot) -> list[tuple[Body, str]]:
@@ -34,8 +36,13 @@ def named_bodies(robot: Robot) -> list[tuple[Body, str]]:
     return found if robot.tool is None else [*found, (robot.tool.body, "tool")]
 
 
+def body_numbers(body: Body) -> Array:
+    """Mass [kg], centre [m] and inertia about it [kg m2], as BODY, shape (10,)."""
+    return np.array([body.mass_kg, *body.com_m, *body.inertia_kgm2])
+
+
 def body_spread(uncertainty: Uncertainty, body: Body, name: str) -> Array:
-    """Standard deviations of mass [kg], centre [m] and inertia [kg m2] of a body, shape (10,).
+    """Standard deviations of the numbers of a body, as BODY, shape (10,).
 
     Args:
         uncertainty: of the robot file.

@@ -9,9 +9,10 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.diagnosis.preparation.base_prior import BODY
 from irb2400_ctrl.identification import Identification, LogResult
 from irb2400_ctrl.identification.few_samples import few_samples
-from irb2400_ctrl.identification.moved import ALARM, NAMES, Moved
+from irb2400_ctrl.identification.moved import ALARM, Moved
 from irb2400_ctrl.measurement import Log
 from irb2400_ctrl.measurement.prepared_log import UNEVEN
 from irb2400_ctrl.report.elements.page import Grade, Page, sentence, with_error
@@ -291,7 +292,7 @@ def moved_figure(moved: Moved) -> Figure:
     reach = 1.15 * max(ALARM + 0.5, float(np.abs(moved.sigmas).max()))
     axis.set(ylabel="change / file's std. dev.", ylim=(-reach, reach))
     axis.set_title(f"link {moved.link}", fontsize=9)
-    axis.set_xticks(places, [name.removesuffix("_kg").removesuffix("_m") for name in NAMES])
+    axis.set_xticks(places, [name.removesuffix("_kg").removesuffix("_m") for name in BODY])
     axis.tick_params(axis="x", labelrotation=45, labelsize=7)
     return figure
 
