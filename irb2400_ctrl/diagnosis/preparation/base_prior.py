@@ -87,8 +87,8 @@ class BasePrior:
 
     @property
     def bodies(self) -> list[Body]:
-        tool = [] if self.robot.tool is None else [self.robot.tool.body]
-        return [link.body for link in self.robot.links] + tool
+        """Of the links, then the tool's."""
+        return [body for body, _ in named_bodies(self.robot)]
 
     def sigmas(self) -> Array:
         """Standard deviations in file units, shape (k,)."""
@@ -178,7 +178,7 @@ class BasePrior:
         n = self.robot.n
         flange = self.robot.flange.matrix()
         return [
-            _parameter_slope(body, None if i < n else flange)
+            parameter_slope(body, None if i < n else flange)
             * body_spread(self.uncertainty, body, name)
             for i, (body, name) in enumerate(named_bodies(self.robot))
         ]
@@ -216,7 +216,7 @@ class BasePrior:
         n = self.robot.n
         bodies = self.bodies
         phi = np.array([
-            body.parameters() + _parameter_slope(body, None) @ by
+            body.parameters() + parameter_slope(body, None) @ by
             for body, by in zip(bodies, change, strict=True)
         ])  # fmt: skip
         masses = np.array([body.mass_kg for body in bodies[:n]])
@@ -269,7 +269,7 @@ def _body_of(phi: Array, body: Body, change: Array) -> Body:
     )
 
 
-def _parameter_slope(body: Body, X: Array | None) -> Array:
+def parameter_slope(body: Body, X: Array | None) -> Array:
     """d phi / d (mass, com, inertia about the centre of mass), shape (10, 10), by exact
     differences."""
     slope = np.empty((10, 10))

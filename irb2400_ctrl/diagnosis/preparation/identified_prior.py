@@ -16,9 +16,9 @@ import numpy as np
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.diagnosis.preparation.base_prior import (
     BasePrior,
-    _parameter_slope,
     body_spread,
     named_bodies,
+    parameter_slope,
 )
 from irb2400_ctrl.effects import LIBRARY, Effect
 from irb2400_ctrl.effects.acceleration_reading import AccelerationReading
@@ -122,7 +122,7 @@ def _identified_rows(base: BasePrior) -> Array:
             continue
         phi = robot.identified.rows([f"{what}_{i + 1}" for what in NAMES])
         spread = body_spread(base.uncertainty, body, name)
-        own = np.linalg.solve(_parameter_slope(body, None), phi)
+        own = np.linalg.solve(parameter_slope(body, None), phi)
         blocks.append(own / np.where(spread > 0, spread, np.inf)[:, None])
     coulomb, viscous, _ = base.sigmas()[-3 * n :].reshape(3, n)
     for term, size in (("coulomb", coulomb), ("viscous", viscous)):

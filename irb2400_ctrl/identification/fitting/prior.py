@@ -13,9 +13,9 @@ import numpy as np
 
 from irb2400_ctrl.arrays import Array, Integers
 from irb2400_ctrl.diagnosis.preparation.base_prior import (
-    _parameter_slope,
     body_spread,
     named_bodies,
+    parameter_slope,
 )
 from irb2400_ctrl.identification.fitting.columns import (
     COUPLED,
@@ -102,7 +102,7 @@ def prior_of(
     covariances = np.zeros((n, 10, 10))
     for i, (body, name) in enumerate(named_bodies(robot)):
         link, X = (i, None) if i < n else (n - 1, robot.flange.matrix())
-        half = _parameter_slope(body, X) * body_spread(u, body, name)
+        half = parameter_slope(body, X) * body_spread(u, body, name)
         covariances[link] += half @ half.T
     # a body without mass has no spread of its own: a gram and a gram at 10 cm are nothing
     covariances += np.diag([1e-3, *[1e-4] * 3, *[1e-5] * 6]) ** 2
