@@ -64,7 +64,7 @@ SLIPPING_TIME = 0.5
 
 @dataclass(frozen=True)
 class PreparedLog:
-    """PreparedLog and torque of one log on a uniform grid of m samples; arrays (m, n), SI and
+    """Motion and torque of one log on a uniform grid of m samples; arrays (m, n), SI and
     radians.
 
     `known` is False where a gap or a standstill leaves the torque of that joint undetermined.
@@ -205,15 +205,15 @@ def prepare(log: Log, rate: float | None = None, *, quiet: bool = False) -> Prep
     still = _undetermined(uniform.tau[inside], qd, uniform.step, instrumented)
     determined = ~(still | gap[:, None])
     if not instrumented:
-        still = _sticking(still | (np.abs(qd) < STICKING_SPEED), uniform.step)
+        # it sticks while it should creep, and smoothing reaches that far
+        sticks = still | (np.abs(qd) < STICKING_SPEED)
+        still = widened(sticks, round(STICKING_TIME / uniform.step))
     known = ~(still | gap[:, None])
     if recorder is not None:
         determined = _smeared(determined, recorder.reach(uniform.step))
         known &= determined
     beside = low_pass.half + (0 if instrumented else margin)
-    row_known = np.column_stack(
-        [low_pass.instants(~widened(~determined[:, j], beside)) for j in range(log.n)]
-    ).astype(np.bool_)
+    row_known = low_pass.instants(~widened(~determined, beside))
     return PreparedLog(
         name=log.name,
         time=uniform.time[inside],
@@ -236,12 +236,6 @@ def prepare(log: Log, rate: float | None = None, *, quiet: bool = False) -> Prep
         by_speed=by_speed,
         disobeying=disobeying,
     )
-
-
-def _sticking(still: Mask, step: float) -> Mask:
-    """A joint that really sticks does so while it should creep, and smoothing reaches that far."""
-    reach = round(STICKING_TIME / step)
-    return np.column_stack([widened(joint, reach) for joint in still.T])
 
 
 def _derived(
@@ -286,7 +280,7 @@ def _incomplete(log: UniformLog, reach: int, blended: bool) -> Mask:
 def _smeared(determined: Mask, reach: int) -> Mask:
     """What is determined where a value holds what stands up to `reach` samples away, and what came
     before and after the log."""
-    found = np.column_stack([~widened(~joint, reach) for joint in determined.T])
+    found = ~widened(~determined, reach)
     found[:reach] = False
     found[len(found) - reach :] = False
     return found
@@ -342,4 +336,4 @@ def _stick_slip(tau: Array, qd: Array, step: float) -> Mask:
     calm = np.quantile(scatter, CALM, axis=0)
     found = (scatter > SLIPPING * calm) & (np.abs(qd) < SLIPPING_SPEED)
     found = _lasting(found, round(SLIPPING_TIME / step))
-    return np.column_stack([widened(found[:, j], width) for j in range(tau.shape[1])])
+    return widened(found, width)

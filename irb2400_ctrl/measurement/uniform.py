@@ -124,10 +124,11 @@ def _decimated(log: Log, stacked: Array, rate: float) -> tuple[Array, Array]:
 
 
 def widened(mask: Mask, samples: int) -> Mask:
-    """True where a True lies within so many samples."""
+    """True where a True lies within so many samples along the first axis."""
     if samples == 0 or not mask.any():
         return mask
-    return np.asarray(binary_dilation(mask, np.ones(2 * samples + 1, dtype=bool)))
+    reach = np.ones((2 * samples + 1, *[1] * (mask.ndim - 1)), dtype=bool)
+    return np.asarray(binary_dilation(mask, reach))
 
 
 @dataclass(frozen=True)

@@ -167,6 +167,4 @@ class AtLoadChanges:
         (m, n)."""
         m = self.motion
         standing = np.abs(m.qd) < STANDING
-        reach = round(NEAR / m.step)
-        near = [widened(standing[:, j], reach) for j in range(m.n)]
-        return np.asarray(m.known & ~np.stack(near, axis=1))
+        return np.asarray(m.known & ~widened(standing, round(NEAR / m.step)))

@@ -33,7 +33,7 @@ def reversal_rows(motion: PreparedLog) -> Mask:
     turning = np.abs(motion.qd) < STICKING_SPEED
     for j in range(motion.n):
         turning[turns(motion.qd[:, j])[0], j] = True
-        turning[:, j] = widened(turning[:, j], round(REVERSAL_TIME / motion.step))
+    turning = widened(turning, round(REVERSAL_TIME / motion.step))
     return motion.at_rows(turning.astype(float)) > 0.5
 
 
