@@ -30,8 +30,9 @@ from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.diagnosis.preparation.metrics import errors
 from irb2400_ctrl.identification.fitting.consistent_fit import possible
 from irb2400_ctrl.identification.fitting.motion_source import motion_of
-from irb2400_ctrl.identification.identified_robot import body_of, fit_base
+from irb2400_ctrl.identification.identified_robot import fit_base
 from irb2400_ctrl.measurement.prepared_log import PreparedLog
+from irb2400_ctrl.robot import Body
 
 PEER_RATE = 25.0
 """[Hz] of the peer's samples: its derivatives are differences over every number"""
@@ -49,7 +50,7 @@ def spec_of(robot: irb.Robot) -> mujoco.MjSpec:
         X = link.frame.matrix()
         quat = Rotation.from_matrix(X[:3, :3]).as_quat(scalar_first=True)
         parent = parent.add_body(name=f"l{k + 1}", pos=X[:3, 3], quat=quat)
-        body = body_of(phi[k])
+        body = Body.of_parameters(phi[k])
         parent.mass = body.mass_kg
         parent.ipos = body.com_m
         parent.fullinertia = body.inertia_kgm2
@@ -62,7 +63,7 @@ def put(spec: mujoco.MjSpec, name: str, param: Any) -> None:
     """Write a pseudo-inertia into the spec; the peer's own way compiles it once for every body."""
     pi = sysid.model_modifier.pi_from_theta(param.value)
     inertia = pi[4:].reshape(3, 3)[np.triu_indices(3)]
-    numbers = body_of(np.concatenate([pi[:4], inertia]))
+    numbers = Body.of_parameters(np.concatenate([pi[:4], inertia]))
     body = spec.body(name)
     body.mass = numbers.mass_kg
     body.ipos = numbers.com_m

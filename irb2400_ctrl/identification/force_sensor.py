@@ -19,7 +19,6 @@ import numpy as np
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.identification.fitting.consistent_fit import consistent_minimum
-from irb2400_ctrl.identification.identified_robot import body_of
 from irb2400_ctrl.measurement import Log
 from irb2400_ctrl.measurement.prepared_log import prepare
 from irb2400_ctrl.model import Model
@@ -184,7 +183,9 @@ def _fitted(rows: Array, read: Array) -> SensedLoad:
     start[4:10] = (np.eye(3) * ball - mass * np.outer(c, c))[np.triu_indices(3)]
     none = np.array([], dtype=np.int64)
     theta = consistent_minimum(A, b, 1, none, start)
-    return SensedLoad(body_of(theta[:10]), _errors(A, rows, read, theta, sigma), theta[10:])
+    return SensedLoad(
+        Body.of_parameters(theta[:10]), _errors(A, rows, read, theta, sigma), theta[10:]
+    )
 
 
 def _errors(A: Array, rows: Array, read: Array, theta: Array, sigma: Array) -> Array:

@@ -27,8 +27,6 @@ REFITTED = (
 LEAST_SHARE = 1e-9
 """smallest eigenvalue over the largest that a pseudo-inertia keeps when the tool is taken off"""
 
-body_of = Body.of_parameters
-
 
 def fit_base(robot: Robot) -> tuple[Robot, Robot]:
     """(the robot without effects, with those that a fit leaves alone)."""
@@ -67,7 +65,7 @@ def identified_robot(kept: Robot, layout: ColumnLayout, theta: Array) -> tuple[R
             nothing = Body(mass_kg=0.0, com_m=(0.0, 0.0, 0.0), inertia_kgm2=(0.0,) * 6)
             tool = tool.model_copy(update={"body": nothing})
     links = tuple(
-        link.model_copy(update={"body": body_of(row), "source": "identified"})
+        link.model_copy(update={"body": Body.of_parameters(row), "source": "identified"})
         for link, row in zip(kept.links, phi, strict=True)
     )
     bare = kept.model_copy(update={"links": links, "tool": tool})

@@ -14,8 +14,7 @@ from irb2400_ctrl.identification.fitting.consistent_fit import (
     pseudo_inertias,
 )
 from irb2400_ctrl.identification.fitting.prior import Prior
-from irb2400_ctrl.identification.identified_robot import body_of
-from irb2400_ctrl.robot import Robot
+from irb2400_ctrl.robot import Body, Robot
 
 ALARM = 4.0
 """standard deviations beyond which a body is not the file's"""
@@ -101,8 +100,8 @@ def moved_bodies(
     for link in range(robot.n):
         before = nearest[link]
         own = slice(10 * link, 10 * link + 10)
-        after = body_numbers(body_of(theta[own]))
-        body = body_of(np.array([max(before[0], 1e-9), *before[1:]]))
+        after = body_numbers(Body.of_parameters(theta[own]))
+        body = Body.of_parameters(np.array([max(before[0], 1e-9), *before[1:]]))
         spread = np.maximum(body_spread(robot.uncertainty, body, robot.links[link].name), LEAST)
         change = after - body_numbers(body)
         file = pseudo_inertias(robot.inertial_parameters[link : link + 1])[0]

@@ -20,7 +20,6 @@ import irb2400_ctrl as irb
 from irb2400_ctrl.excitation.feasible import between
 from irb2400_ctrl.identification import Identification
 from irb2400_ctrl.identification.fitting.consistent_fit import possible, pseudo_inertias
-from irb2400_ctrl.identification.identified_robot import body_of
 from irb2400_ctrl.robot import Body
 from irb2400_ctrl.trajectory import Trajectory
 
@@ -40,7 +39,7 @@ def possible_robot() -> irb.Robot:
     robot = irb.load_robot("irb2400")
     phi = possible(np.array([link.body.parameters() for link in robot.links]), least=0.02)
     links = [
-        link.model_copy(update={"body": body_of(row)})
+        link.model_copy(update={"body": Body.of_parameters(row)})
         for link, row in zip(robot.links, phi, strict=True)
     ]
     return robot.model_copy(update={"links": tuple(links)})

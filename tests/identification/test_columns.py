@@ -16,7 +16,8 @@ from irb2400_ctrl.identification.fitting.consistent_fit import possible, pseudo_
 from irb2400_ctrl.identification.fitting.noise import correlation_factor
 from irb2400_ctrl.identification.fitting.prior import prior_of
 from irb2400_ctrl.identification.gate import motion_for
-from irb2400_ctrl.identification.identified_robot import body_of, fit_base, identified_robot
+from irb2400_ctrl.identification.identified_robot import fit_base, identified_robot
+from irb2400_ctrl.robot import Body
 
 
 @pytest.fixture(scope="module")
@@ -75,7 +76,7 @@ def test_a_tool_heavier_than_the_last_link_is_said(model: irb.Model) -> None:
 
 def test_a_body_and_back() -> None:
     phi = irb.load_robot("irb2400").inertial_parameters[2]
-    np.testing.assert_allclose(body_of(phi).parameters(), phi, atol=1e-12)
+    np.testing.assert_allclose(Body.of_parameters(phi).parameters(), phi, atol=1e-12)
 
 
 def test_possible_bodies_are_strictly_inside() -> None:
