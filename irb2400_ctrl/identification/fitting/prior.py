@@ -24,7 +24,7 @@ from irb2400_ctrl.identification.fitting.columns import (
     ColumnLayout,
     Extra,
 )
-from irb2400_ctrl.robot import Robot, Uncertainty
+from irb2400_ctrl.robot import Robot
 
 DEGREES_OF_FREEDOM = 4.0
 """of the Student-t on each body"""
@@ -81,28 +81,22 @@ class Prior:
         return np.asarray(squared)
 
 
-def prior_of(
-    robot: Robot,
-    layout: ColumnLayout,
-    scale: tuple[Array, Array, Array],
-    uncertainty: Uncertainty | None = None,
-) -> Prior:
+def prior_of(robot: Robot, layout: ColumnLayout, scale: tuple[Array, Array, Array]) -> Prior:
     """The prior of a robot file.
 
     Args:
+        robot: the file; layout: which columns there are.
         scale: rms torque [Nm], speed [rad/s] and acceleration [rad/s2] of each joint on the logs.
-        uncertainty: spreads of the file's numbers; default those that the file states.
     """
     n = robot.n
     torque = scale[0]
     # of a joint that rests only noise is left, which is no scale of anything
     moves = scale[1] > RESTING * scale[1].max()
     speed, acceleration = (np.maximum(size, RESTING * size.max()) for size in scale[1:])
-    u = robot.uncertainty if uncertainty is None else uncertainty
     covariances = np.zeros((n, 10, 10))
     for i, (body, name) in enumerate(named_bodies(robot)):
         link, X = (i, None) if i < n else (n - 1, robot.flange.matrix())
-        half = parameter_slope(body, X) * body_spread(u, body, name)
+        half = parameter_slope(body, X) * body_spread(robot.uncertainty, body, name)
         covariances[link] += half @ half.T
     # a body without mass has no spread of its own: a gram and a gram at 10 cm are nothing
     covariances += np.diag([1e-3, *[1e-4] * 3, *[1e-5] * 6]) ** 2
