@@ -11,6 +11,8 @@ from irb2400_ctrl.measurement.prepared_log import PreparedLog
 UNITS = {"q": "rad", "qd": "rad/s", "qdd": "rad/s2", "load": "Nm", "time": "s"}
 FEWEST = 3
 """samples that make a bin"""
+BINS = 40
+"""of a curve, at most"""
 
 
 def binned_curve(
@@ -23,7 +25,6 @@ def binned_curve(
     *,
     period: float | None = None,
     turned: bool = False,
-    bins: int = 40,
 ) -> Curve:
     """Binned torque over a signal of the joint (zero-based), folded to one period if it has one;
     with a 95 % band.
@@ -39,7 +40,6 @@ def binned_curve(
         law: what is said of it [Nm], shape (rows,).
         residual: what is left [Nm], shape (rows,).
         period: of the signal, in its unit.
-        bins: of the curve.
     """
     if turned:
         sign = np.sign(motion.at_rows(motion.qd[:, joint]))
@@ -49,9 +49,9 @@ def binned_curve(
     x = _abscissa(motion, load, joint, signal, period)[rows]
     line = law[rows]
     seen = (law + residual)[rows]
-    edges = np.linspace(x.min(), x.max() + 1e-12, bins + 1) if len(x) else np.zeros(1)
-    place = np.clip(np.digitize(x, edges) - 1, 0, bins - 1)
-    inside = [place == k for k in range(bins)]
+    edges = np.linspace(x.min(), x.max() + 1e-12, BINS + 1) if len(x) else np.zeros(1)
+    place = np.clip(np.digitize(x, edges) - 1, 0, BINS - 1)
+    inside = [place == k for k in range(BINS)]
     used = [bin_ for bin_ in inside if bin_.sum() >= FEWEST]
     middle = np.array([x[bin_].mean() for bin_ in used])
     mean = np.array([seen[bin_].mean() for bin_ in used])
