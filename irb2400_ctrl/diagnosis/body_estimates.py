@@ -5,10 +5,9 @@ inertia of its own, and a point mass would take it for a centre further out. Her
 
     phi(m, c, J) = (m, m c, m (|c|^2 1 - c c^T) + J),    tau = Y phi
 
-*Robust*: the bodies of the arm are as uncertain as the file, or a reference, leaves them. *Given
-the
-bodies*: they are taken as true; sharper, and wrong where they are. That the two differ by more than
-their errors says that the file's bodies are not this arm's.
+*Robust*: the bodies of the arm are as uncertain as the file, or a reference, leaves them.
+*Given the bodies*: they are taken as true; sharper, and wrong where they are. That the two differ
+by more than their errors says that the file's bodies are not this arm's.
 """
 
 from __future__ import annotations

@@ -20,7 +20,7 @@ def recalibrated_terms(
     Args:
         prior: of the numbers that were fitted.
         fit: that found the new ones.
-        robot: as given.
+        robot: that has the new ones.
     """
     n = robot.n
     found: dict[str, Any] = {}
@@ -31,11 +31,13 @@ def recalibrated_terms(
     if viscous.any():
         found["viscous"] = [float(v) for v in robot.friction[:, 2]]
     bodies = moved[: -3 * n].reshape(-1, 10)
-    for name, part in (("mass", slice(0, 1)), ("com", slice(1, 4)), ("inertia", slice(4, 10))):
+    for name, field, part in (
+        ("mass", "mass_kg", slice(0, 1)),
+        ("com", "com_m", slice(1, 4)),
+        ("inertia", "inertia_kgm2", slice(4, 10)),
+    ):
         if bodies[:n, part].any():
-            values = {"mass": "mass_kg", "com": "com_m", "inertia": "inertia_kgm2"}[name]
-            found[f"link_{name}"] = [getattr(link.body, values) for link in robot.links]
+            found[f"link_{name}"] = [getattr(link.body, field) for link in robot.links]
         if robot.tool is not None and bodies[n:, part].any():
-            values = {"mass": "mass_kg", "com": "com_m", "inertia": "inertia_kgm2"}[name]
-            found[f"tool_{name}"] = getattr(robot.tool.body, values)
+            found[f"tool_{name}"] = getattr(robot.tool.body, field)
     return found
