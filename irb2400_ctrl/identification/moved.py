@@ -9,6 +9,7 @@ import numpy as np
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.diagnosis.preparation.base_prior import BODY, body_numbers, body_spread
 from irb2400_ctrl.identification.fitting.consistent_fit import (
+    ELEMENTS,
     consistent_minimum,
     possible,
     pseudo_inertias,
@@ -30,10 +31,8 @@ ROUNDING = 1e-9
 """of the trace of a pseudo-inertia"""
 LEAST = np.array([1e-3, *[1e-3] * 3, *[1e-5] * 6])
 """a gram, a millimetre, a gram at 10 cm: nobody states a body better"""
-ELEMENTS = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
-"""of an inertia, in the order of `Body.inertia_kgm2`"""
-PHI_ELEMENTS = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))
-"""the same in the order of phi"""
+OF_THE_FILE = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
+"""elements of an inertia, in the order of `Body.inertia_kgm2`"""
 
 
 @dataclass(frozen=True)
@@ -133,12 +132,12 @@ def _errors(phi: Array, covariance: Array) -> Array:
     c = phi[1:4] / m
     slope = np.eye(10)
     slope[1:4] = np.hstack([-c[:, None], np.eye(3), np.zeros((3, 6))]) / m
-    for row, (i, k) in zip(slope[4:], ELEMENTS, strict=True):
+    for row, (i, k) in zip(slope[4:], OF_THE_FILE, strict=True):
         same = float(i == k)
         row[0] = same * (c @ c) - c[i] * c[k]
         row[1:4] = -2.0 * same * c
         row[1 + i] += c[k]
         row[1 + k] += c[i]
     # the file's order of the elements is not that of phi
-    slope[4:, 4:] = np.array([[float(e == f) for f in PHI_ELEMENTS] for e in ELEMENTS])
+    slope[4:, 4:] = np.array([[float(e == f) for f in ELEMENTS] for e in OF_THE_FILE])
     return np.asarray(np.sqrt(np.maximum(np.diag(slope @ covariance @ slope.T), 0.0)))

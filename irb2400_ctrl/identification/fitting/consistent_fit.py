@@ -23,6 +23,8 @@ NEAR_BARRIER = 1.0
 END_BARRIER = 1e-2
 """[nats] the last mu: each of its 4 n + k bounds may cost that much, which is no evidence"""
 NEWTON_STEPS = 60
+ELEMENTS = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))
+"""of an inertia, in the order of phi"""
 
 
 def _unit_pseudo_inertias() -> Array:
@@ -31,7 +33,7 @@ def _unit_pseudo_inertias() -> Array:
     E[0, 3, 3] = 1.0
     for k in range(3):
         E[1 + k, k, 3] = E[1 + k, 3, k] = 1.0
-    for k, (i, j) in enumerate(((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))):
+    for k, (i, j) in enumerate(ELEMENTS):
         if i == j:
             E[4 + k, :3, :3] = 0.5 * np.eye(3)
             E[4 + k, i, i] -= 1.0
