@@ -13,13 +13,13 @@ import numpy.typing as npt
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.diagnosis.at_rest import worse_at_rest
-from irb2400_ctrl.diagnosis.finding import Finding, Unexplained, plain
+from irb2400_ctrl.diagnosis.finding import Finding, Unexplained
 from irb2400_ctrl.diagnosis.log_errors import LogErrors
 from irb2400_ctrl.diagnosis.numbers import Number
 from irb2400_ctrl.diagnosis.preparation.metrics import Errors
 from irb2400_ctrl.diagnosis.preparation.noise_test import NoiseTest
 from irb2400_ctrl.diagnosis.sound_logs import LeftOut
-from irb2400_ctrl.files import write_json
+from irb2400_ctrl.files import plain, write_json
 from irb2400_ctrl.notebook import Displayed
 from irb2400_ctrl.plausibility import LogProblem
 from irb2400_ctrl.robot import Robot, save_robot

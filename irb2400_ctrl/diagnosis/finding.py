@@ -12,6 +12,7 @@ from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.diagnosis.body_estimates import BodyEstimates
 from irb2400_ctrl.diagnosis.lists import FindingList
 from irb2400_ctrl.effects import Effect
+from irb2400_ctrl.files import plain
 
 ASIDE = 0.2
 """share of an effect that is more than a change of strength of the stated one: another phase of a
@@ -154,12 +155,3 @@ class Unexplained:
             "confidence": round(self.confidence, 3),
             "description": self.description,
         }
-
-
-def plain(value: Any) -> Any:
-    """Tuples to lists, numpy to Python."""
-    if isinstance(value, Mapping):
-        return {k: plain(v) for k, v in value.items()}
-    if isinstance(value, tuple | list | np.ndarray):
-        return [plain(v) for v in value]
-    return float(value) if isinstance(value, np.floating) else value
