@@ -21,6 +21,7 @@ from scipy.interpolate import CubicSpline
 
 from irb2400_ctrl.arrays import Array, Mask
 from irb2400_ctrl.effects.time_delay import TimeDelay
+from irb2400_ctrl.identification.fitting.baseline import shortest_inverse
 from irb2400_ctrl.identification.fitting.columns import ColumnLayout, columns
 from irb2400_ctrl.identification.fitting.estimate import scaled_inverse
 from irb2400_ctrl.identification.fitting.fitted import Fit
@@ -43,8 +44,6 @@ SHORTEST = 8.0
 SETTLED = 5e-5
 """[s] change at which a delay is done"""
 ROUNDS = 8
-CUT = 1e-9
-"""singular values below this, over the largest, belong to combinations that nobody can see"""
 
 
 @dataclass(frozen=True)
@@ -243,9 +242,7 @@ class _DelayFit:
             variance = (left**2).sum(axis=0) / count
             weight = np.where(variance > 0.0, 1.0 / np.maximum(variance, 1e-18), 0.0)
             A = np.einsum("n,npq->pq", weight, self.squares)
-            size = np.sqrt(np.diag(A)) + 1e-12
-            inverse = np.linalg.pinv(A / size[:, None] / size, rcond=CUT, hermitian=True)
-            inverse = inverse / size[:, None] / size
+            inverse = shortest_inverse(A)
             theta = inverse @ (weight @ products)
             left = np.where(self.known, tau - self.rows @ theta, 0.0)
         return theta, inverse, weight

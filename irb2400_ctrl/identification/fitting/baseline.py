@@ -22,9 +22,15 @@ def plain_least_squares(sums: Moments) -> Array:
         weight = 1.0 / sigma**2
         A = np.einsum("n,bnpq->pq", weight, data.H)
         b = np.einsum("n,bnp->p", weight, data.g)
-        size = np.sqrt(np.diag(A)) + 1e-12
-        inverse = np.linalg.pinv(A / size[:, None] / size, rcond=CUT, hermitian=True)
-        theta = inverse @ (b / size) / size
+        theta = shortest_inverse(A) @ b
         left = data.squared_error(theta)[0] / count
         sigma = np.sqrt(np.maximum(left, 1e-12 * data.c[0] / count + 1e-18))
     return theta
+
+
+def shortest_inverse(A: Array) -> Array:
+    """Inverse of normal equations, each number over its own size, zero for the combinations that
+    nobody can see, shape (p, p): it leads to the shortest numbers."""
+    size = np.sqrt(np.diag(A)) + 1e-12
+    inverse = np.linalg.pinv(A / size[:, None] / size, rcond=CUT, hermitian=True)
+    return np.asarray(inverse / size[:, None] / size)
