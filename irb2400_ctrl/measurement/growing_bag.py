@@ -11,7 +11,8 @@ import struct
 from collections.abc import Sequence
 from pathlib import Path
 
-from irb2400_ctrl.errors import InputError, ToolMissingError
+from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.extras import needed
 from irb2400_ctrl.measurement.columns.column_map import load_column_map
 from irb2400_ctrl.measurement.log import Log
 from irb2400_ctrl.measurement.read_log import log_of
@@ -35,13 +36,7 @@ class GrowingBag:
     """
 
     def __init__(self, path: Path, columns: Path | None, names: Sequence[str] | None) -> None:
-        try:
-            import mcap  # noqa: F401
-        except ImportError as error:
-            raise ToolMissingError(
-                f"{path} is an MCAP file and the package mcap is not installed: "
-                "pip install 'irb2400_ctrl[ros]'"
-            ) from error
+        needed("mcap", "ros", f"{path}: an MCAP file")
         self.path = path
         self.columns = None if columns is None else load_column_map(columns)
         self.names = names

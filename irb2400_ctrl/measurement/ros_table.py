@@ -11,7 +11,8 @@ from typing import Any
 
 import numpy as np
 
-from irb2400_ctrl.errors import InputError, ToolMissingError
+from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.extras import needed
 from irb2400_ctrl.measurement.columns.joint_order import joint_order, places
 from irb2400_ctrl.measurement.table import Table, one_length
 
@@ -137,14 +138,10 @@ def _sqlite(path: Path) -> Iterator[bytes]:
 
 
 def _mcap(path: Path) -> Iterator[bytes]:
-    try:
-        from mcap.exceptions import McapError
-        from mcap.reader import make_reader
-    except ImportError as error:
-        raise ToolMissingError(
-            f"{path} is an MCAP file and the package mcap is not installed: "
-            "pip install 'irb2400_ctrl[ros]'"
-        ) from error
+    needed("mcap", "ros", f"{path}: an MCAP file")
+    from mcap.exceptions import McapError
+    from mcap.reader import make_reader
+
     try:
         with path.open("rb") as file:
             found = [
