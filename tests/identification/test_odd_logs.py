@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import cache
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -12,6 +14,9 @@ from independent_plant.arm_changes import _lump
 from independent_plant.machine import Machine
 
 import irb2400_ctrl as irb
+from irb2400_ctrl.identification.fitting.columns import ColumnLayout
+from irb2400_ctrl.identification.fitting.moments import Moments
+from irb2400_ctrl.identification.odd_logs import odd_logs
 
 ROBOT = possible_robot()
 SEEDS = (1, 2, 3)
@@ -54,3 +59,71 @@ def test_a_cold_arm_is_no_other_arm() -> None:
         note for note in notes if note.startswith("the friction of the logs is not the same")
     ]
     assert "motion" in said
+
+
+LAYOUT = ColumnLayout(2)
+BLOCKS = 6
+
+
+def said_of(*numbers: np.ndarray, samples: int = 200, noise: float = 1.0) -> str:
+    """What is said of logs of random motions, each with numbers (p,) of its own.
+
+    Args:
+        numbers: of each log; samples: of each of its `BLOCKS` blocks; noise: of the torques [Nm].
+    """
+    rng = np.random.default_rng(0)
+    blocks = []
+    for theta in numbers:
+        for _ in range(BLOCKS):
+            rows = rng.standard_normal((LAYOUT.n, samples, LAYOUT.count))
+            tau = rows @ theta + noise * rng.standard_normal((LAYOUT.n, samples))
+            H = np.swapaxes(rows, 1, 2) @ rows
+            g = np.einsum("nmp,nm->np", rows, tau)
+            blocks.append((H, g, (tau**2).sum(axis=1), np.full(LAYOUT.n, float(samples))))
+    found: Any = SimpleNamespace(
+        layout=LAYOUT, sums=Moments(*map(np.array, zip(*blocks, strict=True)))
+    )
+    parts: Any = [
+        SimpleNamespace(
+            block=BLOCKS * k + np.arange(BLOCKS), motion=SimpleNamespace(name=f"log {k + 1}")
+        )
+        for k in range(len(numbers))
+    ]
+    return " ".join(odd_logs(found, parts))
+
+
+def with_change(place: int, by: float) -> np.ndarray:
+    """Numbers of an arm of which one is another."""
+    theta = np.ones(LAYOUT.count)
+    theta[place] += by
+    return theta
+
+
+ARM = with_change(0, 0.0)
+
+
+@pytest.mark.parametrize("term", ["coulomb", "viscous"])
+def test_either_friction_may_be_of_another_day(term: str) -> None:
+    other = with_change(LAYOUT.drive(term).start, 5.0)
+    assert said_of(other, ARM, ARM).startswith("the friction of the logs is not the same")
+    assert said_of(with_change(0, 5.0), ARM, ARM).startswith("log 1 does not belong")
+
+
+def test_how_far_logs_may_differ() -> None:
+    assert "belong" in said_of(with_change(0, 4.0), ARM, ARM)
+    assert not said_of(with_change(0, 2.0), ARM, ARM)
+
+
+def test_where_the_others_differ_too_none_is_named() -> None:
+    said = said_of(with_change(0, 9.0), with_change(0, -9.0), ARM, ARM)
+    assert said.startswith("the logs disagree")
+
+
+def test_a_few_samples_accuse_nobody() -> None:
+    assert said_of(with_change(0, 30.0), ARM, ARM, samples=17)
+    assert not said_of(with_change(0, 30.0), ARM, ARM, samples=16)
+
+
+def test_what_a_simulation_leaves_is_no_disagreement() -> None:
+    assert said_of(with_change(0, 0.1), ARM, ARM, noise=1e-6)
+    assert not said_of(with_change(0, 1e-4), ARM, ARM, noise=1e-6)
