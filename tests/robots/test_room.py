@@ -9,6 +9,7 @@ import pytest
 from robots.imported import MOST, robot
 
 import irb2400_ctrl as irb
+from irb2400_ctrl.errors import InfeasibleError
 from irb2400_ctrl.excitation import excite
 from irb2400_ctrl.excitation.motion_design import Budget
 from irb2400_ctrl.excitation.room import floor_and_column, height_and_radius, with_room
@@ -30,7 +31,47 @@ def test_a_narrowed_box_is_clear(name: str) -> None:
     q = np.random.default_rng(1).uniform(narrow.q_min, narrow.q_max, (500, arm.n))
     height, radius = height_and_radius(irb.Model(arm), q)
     floor, column = floor_and_column(arm)
-    assert ((height >= floor) & (radius >= column)).mean() > 0.8
+    assert ((height >= floor) & (radius >= column)).mean() > 0.85
+    # whole turns away is the same place
+    assert (np.abs(narrow.q_min + narrow.q_max) / 2 <= np.pi).all()
+
+
+def test_the_floor_lies_below_a_low_shoulder() -> None:
+    floor, column = floor_and_column(robot("ur5"))
+    assert (floor, column) == pytest.approx((0.0446, 0.2197), abs=1e-4)
+    # half a reach below a base frame in the shoulder
+    floor, _ = floor_and_column(robot("puma560"))
+    assert floor == pytest.approx(-0.483, abs=1e-3)
+
+
+def test_an_arm_stretched_out_in_the_middle_of_its_box_is_narrowed() -> None:
+    arm = robot("ur5")
+    assert (with_room(arm).q_max < arm.q_max).any()
+
+
+def test_flange_and_tip_both_count() -> None:
+    arm = irb.load_robot("irb2400")
+    model = irb.Model(arm)
+    q = np.random.default_rng(3).uniform(arm.q_min, arm.q_max, (50, 6))
+    heights = np.stack([model.tcp_pose(q)[:, 2, 3], model.flange_pose(q)[:, 2, 3]])
+    assert set(np.argmin(heights, axis=0)) == {0, 1}
+    np.testing.assert_allclose(height_and_radius(model, q)[0], heights.min(axis=0), atol=1e-12)
+
+
+def test_an_arm_that_only_reaches_into_the_floor_has_no_room() -> None:
+    arm = irb.load_robot("irb2400")
+    model = irb.Model(arm)
+    q = np.random.default_rng(4).uniform(arm.q_min, arm.q_max, (200, 6))
+    lowest = np.degrees(q[np.argmin(height_and_radius(model, q)[0])])
+    joints = [
+        joint.model_copy(
+            update={"limits": joint.limits.model_copy(update={"range_deg": (v - 0.1, v + 0.1)})}
+        )
+        for joint, v in zip(arm.joints, lowest, strict=True)
+    ]
+    held = arm.model_copy(update={"joints": tuple(joints)})
+    with pytest.raises(InfeasibleError, match=r"less than 0.10 m above the base plane or 0.40 m"):
+        with_room(held)
 
 
 def test_the_distance_is_that_from_axis_1_wherever_the_arm_stands() -> None:
