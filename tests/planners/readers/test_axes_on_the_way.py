@@ -121,6 +121,31 @@ def test_a_tool_that_a_vector_turned_is_turned_back(
         np.testing.assert_allclose(last_axis(tmp_path, control, text), [0.0, 0.6, 0.8])
 
 
+@pytest.mark.parametrize("control", VECTORS)
+def test_a_vector_alone_turns_the_tool_on_the_spot(control: str, tmp_path: Path) -> None:
+    """Of G43.5 it was left out without a word: the tool stood as before for all that came."""
+    upright = {"TRAORI": "G1 A3=0 B3=0 C3=1\n", "G43.5": "G1 I0. J0. K1.\n"}[control]
+    begin, end, name = VECTORS[control]
+    cut = f"G21 G90\nG0 X0. Y0. Z9.\n{begin}G1 Z0. F600.\n{upright}X5.\n"
+    place, axis, _ = path(tmp_path, cut, name)
+    np.testing.assert_allclose(axis[-3:], [[0.0, 0.6, 0.8], [0.0, 0.0, 1.0], [0.0, 0.0, 1.0]])
+    np.testing.assert_allclose(place[-3:, 0], [0.0, 0.0, 5.0], atol=1e-9)
+    # upright it is turned no more once tool centre control has ended
+    _, axis, _ = path(tmp_path, f"{cut}{end}{AFTER}", name)
+    np.testing.assert_allclose(axis[-1], [0.0, 0.0, 1.0])
+
+
+def test_where_a_tool_is_that_was_turned_back_is_not_known(tmp_path: Path) -> None:
+    """The file stated no other angles of the axes before."""
+    begin, end, name = VECTORS["G43.5"]
+    file = tmp_path / name
+    file.write_text(
+        f"G21 G90\nG0 X0. Y0. Z9.\n{begin}G1 Z0. F600.\nX5.\n{end}G0 Z99.\nG0 A0 C0\n{AFTER}"
+    )
+    notes = [note.text for note in read_program(file, rotary="C,A").notes]
+    assert any("G0 with A, B or C alone turns table or head" in text for text in notes)
+
+
 @pytest.mark.parametrize(
     ("begin", "ended"), [("G43.4 H1", True), ("G234 H1", True), ("M128", False)]
 )
@@ -138,10 +163,16 @@ def test_a_length_alone_ends_the_control_of_its_kind(
 
 
 @pytest.mark.parametrize(
-    ("plane", "tilt"), [('CYCLE800(0,"",0,57,0,0,0,0,30,0,0,0,0,-1)', 30.0), ("CYCLE800()", 0.0)]
+    ("plane", "tilt"),
+    [
+        ('CYCLE800(0,"",0,57,0,0,0,0,30,0,0,0,0,-1)', 30.0),
+        ("CYCLE800()", 0.0),
+        ("G68.2 X0. Y0. Z0. I90. J30. K-90.\nG53.1", 30.0),
+    ],
 )
 def test_a_plane_turns_a_tool_that_a_vector_turned(plane: str, tilt: float, tmp_path: Path) -> None:
-    found = last_axis(tmp_path, "TRAORI", f"{plane}\n{AFTER}")
+    control = "G43.5" if "G68.2" in plane else "TRAORI"
+    found = last_axis(tmp_path, control, f"{plane}\n{AFTER}")
     stands = np.radians(tilt)
     np.testing.assert_allclose(found, [np.sin(stands), 0.0, np.cos(stands)], atol=1e-9)
 

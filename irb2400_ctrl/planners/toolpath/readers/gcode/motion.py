@@ -343,7 +343,8 @@ class GcodeMotion:
 
 
 def moves(values: dict[str, float], motion: float | None = None) -> bool:
-    """Whether a block has words that lead somewhere; a full circle needs its centre only."""
+    """Whether a block has words that lead somewhere; a full circle (2, 3) needs its centre only,
+    and a turn on the spot under G43.5 its vector, which is I J K as well."""
     curved = motion in {2, 3, *MODES}
     words = (*AXES, *ROTARY, *VECTOR, *(CENTRE if curved else ()))
     return any(letter in values for letter in words)

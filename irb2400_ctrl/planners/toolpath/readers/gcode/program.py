@@ -188,7 +188,7 @@ class _Reader:
             self._machine.make_ready(block.ready)
         used = self._special(codes, values, block.orders)
         self._set_motion(codes)
-        leads = not used and moves(values, self._state.motion)
+        leads = not used and moves(values, 2 if self._state.vectors else self._state.motion)
         if leads and self._state.motion == 80:
             self._after_cycle()
         if leads:
