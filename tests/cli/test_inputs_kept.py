@@ -33,6 +33,16 @@ def test_the_robot_file_that_is_read_stays(verb: str, tmp_path: Path) -> None:
     assert [path.name for path in tmp_path.iterdir()] == ["robot.toml"]
 
 
+def test_it_stays_whichever_way_it_is_named(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    irb.save_robot(irb.load_robot("irb2400"), Path("robot.toml"))
+    for out in (".", tmp_path):
+        says = refused("identify", LOG, "--robot", "robot.toml", "--out", out)
+        assert "found robot.toml, which this command reads and would replace" in says
+
+
 def test_a_motion_or_a_path_stays(tmp_path: Path) -> None:
     log = tmp_path / "log.csv"
     log.write_text("not looked at")

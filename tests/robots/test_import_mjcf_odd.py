@@ -24,6 +24,8 @@ SHAPE = '<geom type="box" size=".1 .05 .04" pos=".1 0 .1" mass="2" euler="10 0 0
 ROD = '<geom type="capsule" size=".03" fromto="0 0 0 .2 .1 .1"/>'
 FRAME = '<frame pos=".1 .2 .05" euler="30 10 -20">'
 MOTOR = '<actuator><motor joint="j1" gear="3" armature="0.5" damping="0.4"/></actuator></mujoco>'
+SECOND = '<motor joint="j1" gear="-2" armature="0.1" damping="0.3"/>'
+MOTORS = MOTOR.replace("</actuator>", f"{SECOND}</actuator>")
 
 
 def worst(path: Path) -> float:
@@ -72,8 +74,9 @@ def worst(path: Path) -> float:
         ("<default>", '<default><site euler="0 0 20"/>'),
         # the last statement counts, wherever it stands
         ("<worldbody>", '<option timestep="0.001"/><option gravity="1 0 -5"/><worldbody>'),
-        # a rotor that the actuator states
+        # a rotor that the actuator states, and a second one that turns the same joint
         ("</mujoco>", MOTOR),
+        ("</mujoco>", MOTORS),
     ],
 )  # fmt: skip
 def test_what_mujoco_makes_of_it(tmp_path: Path, old: str, new: str) -> None:
