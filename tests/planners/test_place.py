@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -122,6 +123,20 @@ def test_how_low_the_program_goes_over_its_part_says_nothing_of_a_place(
     assert found.refused == refused
     if not refused:
         assert found.margins["clearance_mm"] > 10
+
+
+def test_a_part_stands_at_first_where_the_cell_has_its_work_object() -> None:
+    pytest.importorskip("coal")
+    folder = Path(__file__).parents[2] / "examples" / "cell"
+    cell = load_cell(folder / "cell.toml")
+    program = read_program(folder / "part.cls")
+    assert cell.work_frame is not None
+    orientation = task_of(ROBOT, program.operation(), True, cell, None).path.position
+    middle = (orientation.min(axis=0) + orientation.max(axis=0)) / 2
+    here = cell.work_frame[:3, :3] @ middle + cell.work_frame[:3, 3]
+    alone = replace(program, operations=(program.operation(),))
+    found = place(ROBOT, [alone], area=Area(here, here, np.zeros(1), False), cell=cell)
+    np.testing.assert_allclose(found.start.X_BW, cell.work_frame)
 
 
 def test_no_place_in_the_area_is_said(part: Path) -> None:

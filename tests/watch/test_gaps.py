@@ -58,6 +58,27 @@ def test_what_was_not_recorded_is_not_watched(log: Log, by: float, at_once: bool
     assert drawn[np.isnan(energy).all(axis=1)] == pytest.approx([PAUSE + 0.5])
 
 
+def test_seconds_of_which_few_samples_came_say_nothing(log: Log) -> None:
+    """Judged on 31 samples a second, a sound arm gives alarms."""
+    watch = Watch(ROBOT, LEARN)
+    for second in range(34):
+        every = 8 if 25 <= second < 31 else 1
+        list(watch.feed(part(between(log, second, second + 1.0), slice(None, None, every))))
+    few = [seen for seen in watch.seen if 25.0 < seen.time < 31.0]
+    assert all(np.isnan(seen.energy).all() for seen in few)
+    assert np.isfinite(watch.seen[-1].energy).any()
+    assert not any(seen.alarms for seen in watch.seen)
+
+
+def test_a_log_of_50_Hz_is_watched_second_by_second(log: Log) -> None:
+    slow = part(log, slice(None, None, 5))
+    assert slow.rate == pytest.approx(50.0)
+    watch = Watch(ROBOT, LEARN)
+    for second in range(34):
+        list(watch.feed(between(slow, float(second), second + 1.0)))
+    assert len(watch.seen) == 12
+
+
 def test_a_joint_that_stands_is_not_learned_and_nothing_is_warned_of(log: Log) -> None:
     q = log.q.copy()
     q[:, 5] = q[0, 5]
