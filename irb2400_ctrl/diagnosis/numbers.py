@@ -91,8 +91,7 @@ def numbers(
         friction_counts: joints whose friction may have changed, shape (n,).
     """
     robot = prior.robot
-    base = prior.base if isinstance(prior, IdentifiedPrior) else prior
-    sigmas = base.sigmas()
+    sigmas = prior.base.sigmas()
     k = len(sigmas)
     z = prior.deviations(fit.z)[:k]
     error = inflation * _posterior(prior, fit)[:k]
@@ -167,8 +166,7 @@ def _ranges(places: Sequence[int]) -> str:
 
 def moved_numbers(prior: BasePrior | IdentifiedPrior, fit: Fit) -> Mask:
     """Numbers of the base that moved further than was believed, and than their own error, (k,)."""
-    base = prior.base if isinstance(prior, IdentifiedPrior) else prior
-    k = len(base.sigmas())
+    k = len(prior.base.sigmas())
     z = prior.deviations(fit.z)[:k]
     believed = np.ones(k)
     if isinstance(prior, IdentifiedPrior):
@@ -178,8 +176,7 @@ def moved_numbers(prior: BasePrior | IdentifiedPrior, fit: Fit) -> Mask:
 
 def _posterior(prior: BasePrior | IdentifiedPrior, fit: Fit) -> Array:
     """Standard errors of the numbers after the fit, in the units of the prior."""
-    root = prior.root if isinstance(prior, IdentifiedPrior) else prior.root()
-    variance = np.einsum("ka,ab,kb->k", root, fit.z_covariance, root)
+    variance = np.einsum("ka,ab,kb->k", prior.root, fit.z_covariance, prior.root)
     # what a log tells exactly is rounding
     return np.asarray(np.sqrt(np.maximum(variance, 0.0)))
 

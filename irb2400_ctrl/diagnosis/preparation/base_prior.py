@@ -86,6 +86,11 @@ class BasePrior:
         return cls(robot, uncertainty, torque, np.maximum(speed, 1e-3))
 
     @property
+    def base(self) -> BasePrior:
+        """Itself: what holds the columns and units of bodies and friction, as of any prior."""
+        return self
+
+    @property
     def bodies(self) -> list[Body]:
         """Of the links, then the tool's."""
         return [body for body, _ in named_bodies(self.robot)]
@@ -117,6 +122,7 @@ class BasePrior:
         known = self.robot.friction_stated[:, 1]
         return np.where(known, self.robot.friction[:, 1], USUAL_FRICTION * self.torque_scale)
 
+    @cached_property
     def root(self) -> Array:
         """F with F z the numbers in data-sheet standard deviations, shape (k, k): F F^T is their
         prior covariance."""
@@ -138,7 +144,7 @@ class BasePrior:
 
     def deviations(self, z: Array) -> Array:
         """Fitted z in data-sheet standard deviations from the file's values, shape (k,)."""
-        return np.asarray(self.root() @ z)
+        return np.asarray(self.root @ z)
 
     def columns(self, model: Model, motion: PreparedLog) -> Array:
         """d tau / d z along the motion, shape (m, n, k) [Nm]."""
@@ -146,7 +152,7 @@ class BasePrior:
         if self.common_friction:
             # of the numbers only those of friction change together
             friction = slice(-3 * self.robot.n, None)
-            columns[:, :, friction] = columns[:, :, friction] @ self.root()[friction, friction]
+            columns[:, :, friction] = columns[:, :, friction] @ self.root[friction, friction]
         return columns
 
     def number_columns(self, model: Model, motion: PreparedLog) -> Array:
