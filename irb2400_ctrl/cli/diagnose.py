@@ -55,8 +55,7 @@ CloseLoopOption = Annotated[
     typer.Option(
         "--close-loop",
         help="Also generate the controller again (C code in DIR/controller) and track the "
-        "log's motion, before and "
-        "after, on a simulated arm that has what was found.",
+        "log's motion, before and after, on a simulated arm that has what was found.",
     ),
 ]
 ControllerOption = Annotated[

@@ -28,6 +28,8 @@ MOST_NAMED = 12
 """columns of a log that are named"""
 MOST_SAID = 1e4
 """per cent that are printed"""
+UNEVEN = 1e-3
+"""[s] scatter of stamps that are said to be used"""
 
 app = typer.Typer(
     help="what a log holds, before anything is made of it",
@@ -64,10 +66,6 @@ def check(
         return Summary(found[0][0], stop=found[0][1])
     print(f"{len(logs)} logs, {len(logs) - len(reasons)} sound")
     return Summary({"logs": [answer for answer, _ in found]}, stop=reasons[0] if reasons else None)
-
-
-UNEVEN = 1e-3
-"""[s] scatter of stamps that are said to be used"""
 
 
 def _checked(
