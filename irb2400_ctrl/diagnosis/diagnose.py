@@ -9,7 +9,7 @@ from functools import lru_cache
 import numpy as np
 import numpy.typing as npt
 
-from irb2400_ctrl.arrays import Array, one_thread
+from irb2400_ctrl.arrays import Array, one_thread, rms
 from irb2400_ctrl.diagnosis.at_rest import WORSE_AT_REST
 from irb2400_ctrl.diagnosis.bent_numbers import BENT, beside_noise
 from irb2400_ctrl.diagnosis.comparison.acceptance import INFLATION
@@ -267,9 +267,7 @@ def _concluded(
     compared = [_compared(motion, given, recalibrated, augmented)]
     if validation is not None:
         compared.append(_compared(validation, given, recalibrated, later))
-    idle = tuple(
-        j + 1 for j in range(motion.n) if np.sqrt(np.mean(motion.qd[:, j] ** 2)) < LEAST_SPEED
-    )
+    idle = tuple(int(j) + 1 for j in np.flatnonzero(rms(motion.qd) < LEAST_SPEED))
     floor = noise_floor(motion.tau - compared[0].after, motion.known, motion.step)
     weak = [*motion.from_measured, *(f"joint {j} is not excited" for j in idle), *motion.remarks]
     weak += [said for effect in fit.effects if (said := effect.mistaken_for)]

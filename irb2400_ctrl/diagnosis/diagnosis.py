@@ -11,7 +11,7 @@ from typing import Any, Literal
 import numpy as np
 import numpy.typing as npt
 
-from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.arrays import Array, rms
 from irb2400_ctrl.diagnosis.at_rest import worse_at_rest
 from irb2400_ctrl.diagnosis.finding import Finding, Unexplained
 from irb2400_ctrl.diagnosis.log_errors import LogErrors
@@ -150,7 +150,7 @@ class Diagnosis(Displayed):
         """Joints (from 1) on which much more than noise is left after all that was found."""
         compared = self.identification
         left = compared.error_after.rmse
-        size = np.sqrt(np.mean(compared.measured**2, axis=0))
+        size = rms(compared.measured)
         # fast misfit is no noise: neighbouring samples tell, where they were asked
         floor = (
             self.noise_floor

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.arrays import Array, rms
 from irb2400_ctrl.diagnosis.body_estimates import body_estimates
 from irb2400_ctrl.diagnosis.comparison.acceptance import INFLATION
 from irb2400_ctrl.diagnosis.comparison.confidence import (
@@ -133,9 +133,7 @@ def _gain(step: Step, share: Array) -> float:
 def _share(torque: Array, measured: Array) -> Array:
     """rms of an effect over that of the joint's torque with or without it, whichever is largest:
     a balancer can take more off a joint than is left to measure."""
-    size, without, whole = (
-        np.sqrt(np.mean(tau**2, axis=0)) for tau in (torque, measured - torque, measured)
-    )
+    size, without, whole = map(rms, (torque, measured - torque, measured))
     whole = np.where(size > whole, np.maximum(size, without), whole)
     return np.asarray(size / np.maximum(whole, 1e-9))
 

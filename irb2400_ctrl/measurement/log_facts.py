@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.arrays import Array, rms
 from irb2400_ctrl.measurement.log import Log
 from irb2400_ctrl.measurement.time_base import TimeBase, time_base
 
@@ -100,7 +100,7 @@ def log_facts(log: Log) -> LogFacts:
         torque_noise=neighbour_noise(log.tau),
         lag=None if log.q_ref is None else command_lag(log),
         travel=np.ptp(log.q, axis=0),
-        torque=np.sqrt(np.mean(log.tau**2, axis=0)),
+        torque=rms(log.tau),
     )
 
 

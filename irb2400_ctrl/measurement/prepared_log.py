@@ -10,7 +10,7 @@ from itertools import pairwise
 import numpy as np
 from scipy.ndimage import uniform_filter1d
 
-from irb2400_ctrl.arrays import Array, Mask, true_stretches
+from irb2400_ctrl.arrays import Array, Mask, rms, true_stretches
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.measurement.log import Log
 from irb2400_ctrl.measurement.motion.angle_smoothing import AngleSmoothing, angle_smoothing
@@ -227,7 +227,7 @@ def prepare(log: Log, rate: float | None = None, *, quiet: bool = False) -> Prep
         known=known,
         step=uniform.step,
         instrumented=instrumented,
-        follow_error=np.sqrt(np.mean((uniform.q - q)[inside][~gap] ** 2, axis=0)),
+        follow_error=rms((uniform.q - q)[inside][~gap]),
         low_pass=low_pass,
         row_time=low_pass.instants(uniform.time[inside]),
         row_known=row_known,

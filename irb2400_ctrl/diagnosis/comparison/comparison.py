@@ -10,7 +10,7 @@ from typing import TypeVar
 
 import numpy as np
 
-from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.arrays import Array, rms
 from irb2400_ctrl.diagnosis.comparison.scan import Scan
 from irb2400_ctrl.diagnosis.estimation.candidate import Candidate
 from irb2400_ctrl.diagnosis.estimation.evidence import Problem, discrepancy_shares
@@ -112,7 +112,7 @@ class Comparison:
         """Rms of a candidate's effects sample by sample, not filtered, shape (n,) [Nm]."""
         scan = self.scan
         torques = [effect_torque(scan.bases, e, scan.motion) for e in candidate.effects]
-        return np.asarray(np.sqrt(np.mean(np.sum(torques, axis=0) ** 2, axis=0)))
+        return rms(np.sum(torques, axis=0))
 
     def compared(self, candidate: Candidate) -> Alternative:
         """The candidate under its own noise."""

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.arrays import Array, rms
 from irb2400_ctrl.diagnosis.comparison.comparison import Alternative, Comparison
 from irb2400_ctrl.diagnosis.estimation.candidate import Candidate
 from irb2400_ctrl.effects import LIBRARY
@@ -131,7 +131,7 @@ class Threshold:
 
     def _size(self, candidate: Candidate) -> Array:
         """Rms torque on each joint, shape (n,) [Nm]."""
-        return np.asarray(np.sqrt(np.mean(candidate.torque(self.n) ** 2, axis=0)))
+        return rms(candidate.torque(self.n))
 
     def most_on(self, candidate: Candidate) -> int:
         """The joint (from 1) of whose torque it is the largest share."""

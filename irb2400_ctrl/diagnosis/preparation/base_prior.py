@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.arrays import Array, rms
 from irb2400_ctrl.measurement.prepared_log import PreparedLog
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.model.base_parameters import with_masses
@@ -81,9 +81,7 @@ class BasePrior:
     @classmethod
     def of(cls, robot: Robot, uncertainty: Uncertainty, motion: PreparedLog) -> BasePrior:
         """For the log of a motion."""
-        torque = np.sqrt(np.mean(motion.tau**2, axis=0))
-        speed = np.sqrt(np.mean(motion.qd**2, axis=0))
-        return cls(robot, uncertainty, torque, np.maximum(speed, 1e-3))
+        return cls(robot, uncertainty, rms(motion.tau), np.maximum(rms(motion.qd), 1e-3))
 
     @property
     def base(self) -> BasePrior:

@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy.optimize import brentq
 
-from irb2400_ctrl.arrays import Array, Mask
+from irb2400_ctrl.arrays import Array, Mask, rms
 from irb2400_ctrl.measurement.prepared_log import PreparedLog
 
 ORDER = 2
@@ -102,7 +102,7 @@ class NoiseModel:
             motion: prepared; reversal, wander, holds: as of the class.
         """
         step = float(np.median(np.diff(motion.row_time)))
-        least = FINEST * np.sqrt(np.mean(motion.tau**2, axis=0)) + LEAST
+        least = FINEST * rms(motion.tau) + LEAST
         return cls(motion.row_known, reversal, wander, step, least, holds)
 
     def white(self, residual: Array) -> tuple[Noise, ...]:

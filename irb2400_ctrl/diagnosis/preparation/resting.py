@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.arrays import Array, rms
 from irb2400_ctrl.diagnosis.preparation.noise import rests
 from irb2400_ctrl.measurement.prepared_log import PreparedLog
 from irb2400_ctrl.robot import Robot
@@ -60,7 +60,7 @@ class Resting:
         holds = held_at_rest(robot)
         # a channel that never changes has no torque
         resting = rests(motion.row_known) & (np.ptp(motion.tau, axis=0) > 0.0)
-        left = np.sqrt(np.mean((motion.tau - predicted) ** 2, axis=0))
+        left = rms(motion.tau - predicted)
         spread = np.sqrt(np.mean(np.sum(numbers**2, axis=2), axis=0))
         held = left < BELIEVED * np.hypot(holds, spread)
         holds = np.where(resting & held, holds, np.inf)

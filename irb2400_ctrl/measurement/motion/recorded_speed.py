@@ -13,7 +13,7 @@ from dataclasses import replace
 import numpy as np
 from scipy.ndimage import uniform_filter1d
 
-from irb2400_ctrl.arrays import Array, Mask
+from irb2400_ctrl.arrays import Array, Mask, rms
 from irb2400_ctrl.measurement.log import Log
 from irb2400_ctrl.measurement.uniform import derivative_margin, derivatives, resample, smoothed
 
@@ -62,8 +62,8 @@ def calmer_speed(
     rows[len(rows) - derivative_margin(step) :] = False
     if rows.sum() < FEWEST:
         return None
-    moving = np.sqrt(np.mean(qd[rows] ** 2, axis=0)) > MOVES
-    resting = np.sqrt(np.mean(found[0][rows][:, ~moving] ** 2, axis=0))
+    moving = rms(qd[rows]) > MOVES
+    resting = rms(found[0][rows][:, ~moving])
     if not moving.any() or (resting > 2.0 * MOVES).any():
         return None
     speed, acceleration = (one[:, moving] for one in found[:2])
