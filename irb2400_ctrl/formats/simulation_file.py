@@ -72,7 +72,9 @@ class SimulationFile(Table):
     tcp_error_mm: DistanceEntry = Field(description="from where the TCP should be at that time")
     contour_error_mm: DistanceEntry = Field(description="from the path, whatever the time along it")
     joint_error_deg: JointErrorEntry
-    max_torque_ratio: list[NotNegative] = Field(description="of each joint, over its limit")
+    max_torque_ratio: list[NotNegative | None] = Field(
+        description="of each joint, over its limit; null where that is unknown"
+    )
     saturated_share: list[NotNegative] = Field(description="of each joint: time at its limit")
     bounds_reached: BoundsEntry
     sensors: SensorsEntry

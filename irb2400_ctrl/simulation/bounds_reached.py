@@ -30,7 +30,6 @@ def bounds_reached(
         signals: of the run by name, a row a sample.
         error_limit: of a guard: farther from the reference it closes the brake [rad], shape (n,).
     """
-    at_limit = np.greater_equal(np.abs(signals["tau"]), plant.tau_bound * (1 - 1e-9))
     brake = signals.get("c_brake")
     closed = None
     far: list[int] = []
@@ -44,12 +43,30 @@ def bounds_reached(
         "reference_above_speed_limit": too_fast(robot, reference.qd),
         "joint_box": outside_box(plant, signals["q"]),
         "speed_limit": too_fast(plant, signals["qd"]),
-        "torque_limit": _axes(at_limit),
+        "torque_limit": _axes(at_torque_limit(robot, plant, signals)),
         "end_stop": _axes(np.not_equal(signals["end_stop"], 0)),
         "samples_refused_by_package": int(signals["fault"].sum()),
         "brake_closed_s": closed,
         "brake_closed_far_from_reference": far,
     }
+
+
+def at_torque_limit(
+    robot: Robot, plant: Robot, signals: Mapping[str, Array]
+) -> npt.NDArray[np.bool_]:
+    """Where a torque is cut, by the controller at the limit that it knows or by the drive at its
+    own, shape (m, n); behind a lag the torque that acts may not get there.
+
+    Args:
+        robot: as the controller knows it.
+        plant: as it is.
+        signals: of the run by name, a row a sample.
+    """
+    limit = np.fmin(robot.tau_bound, plant.tau_bound) * (1 - 1e-9)
+    asked = np.abs(signals["command"]) >= limit
+    if "c_brake" in signals:
+        asked &= signals["c_brake"] == 0
+    return np.asarray(asked | (np.abs(signals["tau"]) >= limit))
 
 
 def in_words(reached: dict[str, Any]) -> list[str]:

@@ -19,7 +19,7 @@ from irb2400_ctrl.files import write_atomic, write_json
 from irb2400_ctrl.measurement import Log
 from irb2400_ctrl.notebook import Displayed
 from irb2400_ctrl.robot import Robot
-from irb2400_ctrl.simulation.bounds_reached import bounds_reached
+from irb2400_ctrl.simulation.bounds_reached import at_torque_limit, bounds_reached
 from irb2400_ctrl.simulation.instruments import Actuators, Sensors
 from irb2400_ctrl.simulation.tracking import contour_errors, tcp_positions
 from irb2400_ctrl.trajectory import Trajectory
@@ -124,8 +124,13 @@ class Simulation(Displayed):
                 "rms": [_rms(e) for e in error.T],
                 "max": np.abs(error).max(axis=0).tolist(),
             },
-            "max_torque_ratio": (np.abs(self.tau).max(axis=0) / limit).tolist(),
-            "saturated_share": (np.abs(self.tau) >= limit * (1 - 1e-9)).mean(axis=0).tolist(),
+            "max_torque_ratio": [
+                most / high if np.isfinite(high) else None
+                for most, high in zip(np.abs(self.tau).max(axis=0).tolist(), limit, strict=True)
+            ],
+            "saturated_share": at_torque_limit(self.robot, self.plant, self.signals)
+            .mean(axis=0)
+            .tolist(),
             "bounds_reached": bounds_reached(
                 self.robot, self.plant, self.reference, self.signals, self._error_limit
             ),

@@ -109,7 +109,7 @@ def test_an_arm_with_an_unknown_limit_is_simulated_and_generated(tmp_path: Path)
     run = simulate(without_limit(known, 3), move.trajectory, "computed_torque")
     assert np.abs(run.q[-1] - start - 0.3).max() < 1e-3
     share = run.summary()["max_torque_ratio"]
-    assert share[3] == 0.0
+    assert share[3] is None
     assert share[1] > 0.0
     block = controller("computed_torque", without_limit(known, 3))
     assert export_package(block, tmp_path / "c", target="host").passed

@@ -49,16 +49,16 @@ def simulation_page(run: Simulation, name: str) -> Page:
 
 def arm_view(run: Simulation) -> ArmView:
     """The simulated arm, its way coloured by the errors and the torque."""
+    colours = [
+        Colouring("TCP error", "mm", 1e3 * run.tcp_error, 3),
+        Colouring("contour error", "mm", 1e3 * run.contour_error, 3),
+    ]
+    limit = run.plant.tau_bound
+    if np.isfinite(limit).any():
+        share = 100 * np.abs(run.tau / limit).max(axis=1)
+        colours.append(Colouring("torque share", "%", share))
     return ArmView(
-        run.plant,
-        run.time,
-        run.signals["q_link"],
-        (
-            Colouring("TCP error", "mm", 1e3 * run.tcp_error, 3),
-            Colouring("contour error", "mm", 1e3 * run.contour_error, 3),
-            Colouring("torque share", "%", 100 * np.abs(run.tau / run.plant.tau_bound).max(axis=1)),
-        ),
-        reference=run.p_BT_ref,
+        run.plant, run.time, run.signals["q_link"], tuple(colours), reference=run.p_BT_ref
     )
 
 
@@ -75,10 +75,14 @@ def joint_rows(summary: Mapping[str, Any]) -> tuple[list[str], list[list[object]
         strict=True,
     )
     rows: list[list[object]] = [
-        [str(j), 1e3 * float(rms), 1e3 * float(most), 100 * float(torque), 100 * float(share)]
+        [str(j), 1e3 * float(rms), 1e3 * float(most), _percent(torque), 100 * float(share)]
         for j, (rms, most, torque, share) in enumerate(columns, start=1)
     ]
     return head, rows
+
+
+def _percent(ratio: float | None) -> object:
+    return "limit unknown" if ratio is None else 100 * ratio
 
 
 def _sentence(summary: Mapping[str, Any], reached: list[str]) -> str:
@@ -94,6 +98,7 @@ def _plainly(value: object) -> object:
 
 
 def _facts(summary: Mapping[str, Any]) -> list[tuple[str, str]]:
+    known = [ratio for ratio in summary["max_torque_ratio"] if ratio is not None]
     error = summary["tcp_error_mm"]
     contour = summary["contour_error_mm"]
     return [
@@ -101,7 +106,7 @@ def _facts(summary: Mapping[str, Any]) -> list[tuple[str, str]]:
         ("TCP error, max", f"{error['max']:.3f} mm"),
         ("contour error, rms", f"{contour['rms']:.3f} mm"),
         ("contour error, max", f"{contour['max']:.3f} mm"),
-        ("torque, at most", of_limit(max(summary["max_torque_ratio"]))),
+        ("torque, at most", of_limit(max(known)) if known else "limits unknown"),
         ("duration", f"{summary['duration_s']:.2f} s"),
     ]
 
