@@ -47,6 +47,8 @@ from irb2400_ctrl.typed import typed
 PAYLOAD = 4
 """learned of the load at the flange: mass and first moments; its own inertia is too small to be
 told from them"""
+UNSEEN = 1e-12
+"""share of the largest mean square of the regressor's columns that is rounding"""
 
 
 @typed
@@ -152,7 +154,7 @@ def _rates(
     robot: Robot, regressor: ca.Function, stiffness: NDArray[np.float64], time: float
 ) -> NDArray[np.float64]:
     """Gamma_ii = 1 / (T sum_j mean Y_ji^2 / (J Kd)_j): each parameter alone converges in about
-    T."""
+    T; zero where no motion shows it, such as a load's place along the axes of a planar arm."""
     rng = np.random.default_rng(0)
     power = np.zeros(regressor.size2_out(0))
     poses = 64
@@ -161,4 +163,5 @@ def _rates(
         qd = rng.uniform(-0.5, 0.5, robot.n) * robot.qd_max
         Y = np.asarray(regressor(q, qd, np.zeros(robot.n), qd))
         power += (Y**2 / stiffness[:, None]).sum(axis=0) / poses
-    return np.asarray(1.0 / (time * power))
+    shown = power > UNSEEN * power.max()
+    return np.where(shown, 1.0 / (time * np.where(shown, power, 1.0)), 0.0)

@@ -22,6 +22,8 @@ STOP_TIME = 0.01
 """damping of a stop over its stiffness [s]"""
 BRAKE_TIME = 0.02
 """from the signal until a brake holds, with the torque limit of its axis [s]"""
+ANY_TORQUE = 1e6
+"""[Nm] with which the brake of an axis holds whose torque limit is unknown"""
 BRAKE_CLOCK = Field("brake_time", 1, "s", "time since the brake was signalled")
 
 
@@ -94,6 +96,5 @@ def end_stop_torque(plant: Robot, q: ca.SX, qd: ca.SX) -> ca.SX:
 
 def brake_friction(plant: Robot, closed: ca.SX) -> ca.SX:
     """What closed brakes add to the table (F_s, F_c, F_v, omega_st), column by column."""
-    known = np.isfinite(plant.tau_bound)
-    hold = ca.DM(np.where(known, plant.tau_bound, 0.0))
+    hold = ca.DM(np.fmin(plant.tau_bound, ANY_TORQUE))
     return ca.vertcat(hold, hold, ca.DM.zeros(2 * plant.n)) * closed
