@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from irb2400_ctrl.arrays import Array
-from irb2400_ctrl.codegen import Block
+from irb2400_ctrl.codegen import Block, Field
 from irb2400_ctrl.controllers.parts import LONGEST
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.trajectory import Trajectory
@@ -67,19 +67,22 @@ def controller_parameters(controller: Block, gains: Mapping[str, ArrayLike]) -> 
         gains: values by name.
 
     Raises:
-        InputError: no parameter of that name, other than one or `size` numbers, no numbers.
+        InputError: no parameter of that name, other than one or `size` numbers, no numbers, or
+            such as the generated code refuses.
     """
-    sizes = {f.name: f.size for f in controller.parameters}
-    unknown = sorted(str(name) for name in set(gains) - set(sizes))
+    fields = {f.name: f for f in controller.parameters}
+    unknown = sorted(str(name) for name in set(gains) - set(fields))
     if unknown:
         raise InputError(
             f"{controller.name} has no parameter {', '.join(unknown)}; it has "
-            f"{', '.join(sizes) or 'none'}"
+            f"{', '.join(fields) or 'none'}"
         )
-    return {f"c_{name}": _values(name, value, sizes[name]) for name, value in gains.items()}
+    return {f"c_{name}": _values(fields[name], value) for name, value in gains.items()}
 
 
-def _values(name: str, value: ArrayLike, size: int) -> Array:
+def _values(field: Field, value: ArrayLike) -> Array:
+    name = field.name
+    size = field.size
     try:
         array = np.asarray(value, dtype=float)
     except (TypeError, ValueError) as error:
@@ -90,4 +93,13 @@ def _values(name: str, value: ArrayLike, size: int) -> Array:
         )
     if not np.isfinite(array).all():
         raise InputError(f"gains, {name}: found {value!r}; expected finite numbers")
+    for bounds, beyond, word in (
+        (field.lower, np.less, "least"),
+        (field.upper, np.greater, "most"),
+    ):
+        if bounds and beyond(array, bounds).any():
+            raise InputError(
+                f"gains, {name}: found {value!r}; expected at {word} {', '.join(map(str, bounds))} "
+                f"[{field.unit}]: the C package refuses others"
+            )
     return np.broadcast_to(array, size)

@@ -30,7 +30,7 @@ from irb2400_ctrl.simulation.plant import SUBSTEPS
 from irb2400_ctrl.simulation.reference_check import check_reference
 from irb2400_ctrl.simulation.simulation import Simulation
 from irb2400_ctrl.simulation.spring_step import elastic_data, elastic_joints
-from irb2400_ctrl.simulation.viscous_step import MOST_SUBSTEPS, needed_substeps
+from irb2400_ctrl.simulation.viscous_step import usual_substeps
 from irb2400_ctrl.trajectory import Trajectory
 from irb2400_ctrl.typed import typed
 
@@ -204,8 +204,7 @@ def make_loop(
     sensors = Sensors() if sensors is None else sensors
     actuators = Actuators() if actuators is None else actuators
     if substeps is None:
-        needed = needed_substeps(arm, controller.sample_time)
-        substeps = needed if needed <= MOST_SUBSTEPS else SUBSTEPS
+        substeps = usual_substeps(arm, controller.sample_time)
     block = closed_loop(
         controller, arm, sensors=sensors, actuators=actuators, substeps=substeps, wrench=wrench
     )
@@ -239,8 +238,8 @@ def simulate(
         plant: the true arm with its effects; default the robot itself.
         rate: control rate [Hz] for a controller given by name; a block brings its own.
         sensors, actuators: of the drive; default `Sensors()`, `Actuators()`.
-        substeps: time steps of the plant per control period; default one, or as many as viscous
-            friction of light joints asks for.
+        substeps: time steps of the plant per control period; default one per millisecond, or as
+            many as viscous friction of light joints asks for, up to 20.
         gains: controller parameters by name.
         wrench: force and moment on the tool at the TCP, base frame [N, Nm], shape (m, 6) at the
             control rate.

@@ -17,6 +17,8 @@ from irb2400_ctrl.robot import Robot
 
 STEP_SHARE = 0.6
 """largest time step that is taken unasked, over the time in which friction stops a joint [-]"""
+LONGEST_STEP = 0.001
+"""[s] of a time step that is taken unasked, whatever the period of the controller"""
 MOST_SUBSTEPS = 20
 """more are not taken unasked"""
 _POSES = 24
@@ -43,6 +45,19 @@ def braking_rate(robot: Robot) -> float:
     root = np.sqrt(viscous)
     mobility = np.linalg.inv(Model(robot).mass_matrix(poses))
     return float(np.linalg.eigvalsh(root[:, None] * mobility * root).max())
+
+
+def usual_substeps(robot: Robot, period: float) -> int:
+    """Time steps per control period that are taken unasked: none longer than `LONGEST_STEP`, and
+    as short as viscous friction asks for, but no more than `MOST_SUBSTEPS`.
+
+    Args:
+        robot: the plant.
+        period: of the controller [s].
+    """
+    fine = min(math.ceil(period / LONGEST_STEP - 1e-9), MOST_SUBSTEPS)
+    needed = needed_substeps(robot, period)
+    return max(fine, needed if needed <= MOST_SUBSTEPS else 1)
 
 
 def needed_substeps(robot: Robot, period: float) -> int:

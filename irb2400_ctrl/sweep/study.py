@@ -10,7 +10,6 @@ from functools import cached_property
 from pathlib import Path
 from typing import Annotated, Literal, Self
 
-import numpy as np
 from pydantic import (
     BaseModel,
     BeforeValidator,
@@ -28,7 +27,7 @@ from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.reading import bounded_text, toml_tables
 from irb2400_ctrl.robot import Robot, load_robot, robot_names
 from irb2400_ctrl.simulation import Actuators, Sensors
-from irb2400_ctrl.simulation.plant import SUBSTEPS
+from irb2400_ctrl.simulation.loop_request import controller_parameters
 from irb2400_ctrl.sweep.motions import RandomPoses, StudyMotion
 from irb2400_ctrl.sweep.quantities import FORMS, Deviations, EffectDraw, PayloadSpread, Quantity
 from irb2400_ctrl.table import Table
@@ -84,17 +83,12 @@ class Control(Table):
             block = self.block(robot, rate)
         except InputError as error:
             return [str(error)]
-        sizes = {field.name: field.size for field in block.parameters}
-        unknown = sorted(set(self.gains) - set(sizes))
-        found = [
-            f"{self.controller} has no gain {g}; expected some of {', '.join(sizes)}"
-            for g in unknown
-        ]
+        found = []
         for name, value in self.gains.items():
-            if name in sizes and np.size(value) not in (1, sizes[name]):
-                found.append(
-                    f"gain {name} has {np.size(value)} values, expected 1 or {sizes[name]}"
-                )
+            try:
+                controller_parameters(block, {name: value})
+            except InputError as error:
+                found.append(str(error))
         return found
 
 
@@ -114,8 +108,8 @@ class Study(Table):
     draws: int = Field(ge=1, le=1_000_000)
     seed: int = Field(ge=0)
     rate_Hz: float = Field(default=1000.0, gt=0)
-    substeps: int = Field(default=SUBSTEPS, ge=1, le=100)
-    """time steps of the plant per period of the controllers"""
+    substeps: int | None = Field(default=None, ge=1, le=100)
+    """time steps of the plant per period of the controllers; as `simulate` takes them if absent"""
     logs: bool = False
     """keep the log of every case, as the robot's data stream would give it"""
     plant: Deviations = Deviations()

@@ -250,6 +250,7 @@ def test_a_light_joint_with_much_friction_gets_finer_time_steps() -> None:
         ({"seed": -1}, "seed is -1"),
         ({"plant": "irb2400.toml"}, "plant: found .irb2400.toml., expected a Robot"),
         ({"gains": {"kp": np.nan}}, "kp: found nan; expected finite numbers"),
+        ({"gains": {"kp": -1.0}}, "kp: found -1.0; expected at least 0.0"),
         ({"gains": {"kp": [1.0, 2.0]}}, r"kp: found shape \(2,\)"),
         ({"wrench": np.full((1201, 6), np.nan)}, "wrench: row 1 holds no number"),
     ],

@@ -87,7 +87,11 @@ def test_all_problems_of_a_study_at_once(tmp_path: Path) -> None:
             "effects[1]: coulomb_change on joint 7, expected 1, 2, 3, 4, 5, 6",
         ),
         ("bandwidth = 30.0", "bandwith = 30.0", "computed_torque has no design parameter bandwith"),
-        ('name = "soft"', 'name = "soft"\ngains = { kq = 1.0 }', "computed_torque has no gain kq"),
+        (
+            'name = "soft"',
+            'name = "soft"\ngains = { kq = 1.0 }',
+            "has no parameter kq",
+        ),
         ('name = "soft"', 'name = "feedforward_pid"', "two are called 'feedforward_pid'"),
         (
             "[5, 5, 5, 5, 35, 5]",
