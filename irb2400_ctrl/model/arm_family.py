@@ -72,6 +72,15 @@ def arm_geometry(robot: Robot) -> ArmGeometry:
         return replace(_of_family(robot, NEAR), exact=False)
 
 
+def has_singularity_factors(robot: Robot) -> bool:
+    """Whether the arm is of, or near, one of the two families."""
+    try:
+        arm_geometry(robot)
+    except InputError:
+        return False
+    return True
+
+
 def _of_family(robot: Robot, tolerance: float) -> ArmGeometry:
     lines = _lines(robot, tolerance)
     if not (lines.square(1, 2) and lines.parallel(2, 3)):

@@ -10,6 +10,7 @@ import numpy as np
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.model import Model
+from irb2400_ctrl.model.arm_family import has_singularity_factors
 from irb2400_ctrl.model.friction import FrictionLaw
 from irb2400_ctrl.planners.enclosure.deviation import singularity_margins
 from irb2400_ctrl.planners.enclosure.path_dynamics import PathDynamics
@@ -161,7 +162,10 @@ def outcome(certificate: Certificate, dynamics: PathDynamics) -> MotionOutcome:
 
 
 def path_margins(model: Model, path: JointPath) -> dict[str, float]:
-    """Lower bounds of the singularity factors over a joint path, its pieces cut into eight."""
+    """Lower bounds of the singularity factors over a joint path, its pieces cut into eight; empty
+    for an arm that has none."""
+    if not has_singularity_factors(model.robot):
+        return {}
     knots = path.knots
     s = np.append(
         (knots[:-1, None] + np.arange(8) / 8 * np.diff(knots)[:, None]).ravel(), knots[-1]

@@ -45,6 +45,8 @@ def signed_margins(
         raise InputError(
             f"margins {dict(margins)}, expected positive numbers for some of {', '.join(NAMES)}"
         )
+    if not margins:
+        return ()
     factors = (
         np.asarray(model.function("singularity_factors").map(len(W))(W.T)).reshape(-1, len(W)).T
     )

@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.cell.external_axes import axis_names
 from irb2400_ctrl.model import Model
+from irb2400_ctrl.model.arm_family import has_singularity_factors
 from irb2400_ctrl.planners import Plan
 from irb2400_ctrl.report.elements.arm_view import Colouring
 from irb2400_ctrl.report.elements.plots import Line, joint_plots, over_time
@@ -131,20 +132,28 @@ def colourings(
     Args:
         motion: to look at.
         robot: the arm.
-        limits: of its torques [Nm], shape (n,).
+        limits: of its torques [Nm], shape (n,); infinite where unknown.
         feed: at which the colours end [mm/s], so that a rapid move does not hide how the feed is
             held.
     """
-    factors = np.abs(Model(robot).singularity_factors(motion.q))
     found = []
     if motion.s is not None:
         name = "feed" if feed is None else "feed, rapid moves cut off"
         found.append(Colouring(name, "mm/s", tip_speed(motion), high=feed))
-    if motion.tau is not None:
+    if motion.tau is not None and np.isfinite(limits).any():
         found.append(Colouring("torque share", "%", _largest_share(motion.tau, limits)))
+    if np.isfinite(robot.qd_bound).any():
+        found.append(Colouring("speed share", "%", _largest_share(motion.qd, robot.qd_bound)))
+    return (*found, *_margins(Model(robot), motion.q))
+
+
+def _margins(model: Model, q: Array) -> tuple[Colouring, ...]:
+    """How far the arm is from its singularities along the angles q [rad], shape (m, n)."""
+    if not has_singularity_factors(model.robot):
+        least = model.smallest_singular_value(q)
+        return (Colouring("smallest singular value", "", least, 2),)
+    factors = np.abs(model.singularity_factors(q))
     return (
-        *found,
-        Colouring("speed share", "%", _largest_share(motion.qd, robot.qd_max)),
         Colouring("wrist margin |sin q5|", "", factors[:, 0], 2),
         Colouring("shoulder margin", "m", factors[:, 1], 2),
         Colouring("elbow margin", "m", factors[:, 2], 2),

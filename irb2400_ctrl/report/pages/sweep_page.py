@@ -45,7 +45,7 @@ def _add_arm(page: Page, found: Sweep) -> None:
     robot = found.study.robot
     page.heading("The motion")
     page.arm(
-        ArmView(robot, motion.time, motion.q, colourings(motion, robot, robot.tau_max)),
+        ArmView(robot, motion.time, motion.q, colourings(motion, robot, robot.tau_bound)),
         f"{case.motion.name} at speed {case.speed:g} as in case {case.index}, where the error is "
         "largest.",
     )
