@@ -95,4 +95,4 @@ class Balancer(Effect):
 
     @classmethod
     def joints(cls, n: int) -> Sequence[int | None]:
-        return (2, 3)
+        return range(2, min(n, 3) + 1)

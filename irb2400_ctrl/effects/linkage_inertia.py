@@ -53,4 +53,4 @@ class LinkageInertia(Effect):
 
     @classmethod
     def joints(cls, n: int) -> Sequence[int | None]:
-        return (3,)
+        return range(3, min(n, 3) + 1)

@@ -70,6 +70,14 @@ def effect_class(kind: object) -> Kind:
     )
 
 
+def joints_in_words(kind: str, n: int) -> str:
+    """Where an effect of that kind may sit on an arm of n joints."""
+    joints = list(LIBRARY[kind].joints(n))
+    if joints == [None]:
+        return "absent"
+    return ", ".join(str(j) for j in joints) or f"an arm with more than {n} joints"
+
+
 @typed
 def load_effects(path: Path | str) -> Path:
     """Run a Python file that defines effects; once, whoever else asks for it. Returns its place.

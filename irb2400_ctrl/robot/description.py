@@ -19,6 +19,7 @@ from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.effects import LIBRARY, AnyEffect, load_effects
 from irb2400_ctrl.effects.base import OPEN_END_S
 from irb2400_ctrl.effects.blank import discrepancy_size
+from irb2400_ctrl.effects.registry import joints_in_words
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.robot.identified import Identified
 from irb2400_ctrl.robot.joint import Friction, Joint, MotorCoupling
@@ -83,9 +84,8 @@ class Robot(Table):
             unknown = self.outline.unknown_bodies([link.name for link in self.links])
             problems += [f"outline: no link is called {name!r}" for name in unknown]
         for effect in self.effects:
-            allowed = list(LIBRARY[effect.kind].joints(n))
-            if effect.joint not in allowed:
-                names = "absent" if allowed == [None] else ", ".join(str(j) for j in allowed)
+            if effect.joint not in LIBRARY[effect.kind].joints(n):
+                names = joints_in_words(effect.kind, n)
                 problems.append(f"effects: {effect.kind} on joint {effect.joint}, expected {names}")
             elif effect.discrepancy and len(effect.discrepancy) != (
                 size := discrepancy_size(type(effect), effect.joint, n)

@@ -18,6 +18,7 @@ from pydantic import (
 
 from irb2400_ctrl.effects import LIBRARY, Effect, effect_class
 from irb2400_ctrl.effects.base import COMMON
+from irb2400_ctrl.effects.registry import joints_in_words
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.table import Table
 
@@ -115,9 +116,9 @@ class EffectDraw(Table):
 
     def problems(self, axes: int) -> list[str]:
         """What does not fit an arm of that many axes."""
-        allowed = list(LIBRARY[self.kind].joints(axes))
+        allowed = LIBRARY[self.kind].joints(axes)
         wrong = [joint for joint in self.joints if joint not in allowed]
-        names = "none" if allowed == [None] else ", ".join(str(j) for j in allowed)
+        names = joints_in_words(self.kind, axes)
         return [f"{self.kind} on joint {joint}, expected {names}" for joint in wrong]
 
     def draw(self, rng: np.random.Generator) -> tuple[Effect | None, list[Effect]]:
