@@ -148,9 +148,16 @@ def shape_loop(crossover: float, phase_margin: float, timing: Timing | None = No
         phase_margin: [rad].
 
     Raises:
+        InputError: a crossover that samples do not show, or a margin that is none.
         InfeasibleError: delay and filter leave no PD law with that margin; says how much there is.
     """
     timing = timing or Timing()
+    fastest = np.pi / timing.sample_time
+    if not (0 < crossover < fastest and 0 < phase_margin < np.pi):
+        raise InputError(
+            f"found a crossover of {crossover:g} rad/s and a phase margin of {phase_margin:g} rad; "
+            f"expected 0 to {fastest:.4g} rad/s (half the sampling rate) and 0 to pi rad"
+        )
     z = np.exp(1j * crossover * timing.sample_time)
     V = complex(timing.speed()(z))
     rest = complex((timing.actuator() * double_integrator(timing))(z))

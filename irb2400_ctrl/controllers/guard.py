@@ -61,7 +61,7 @@ def guarded(
         consistency: with the momentum observer.
         robot: the arm, with its joint box and limits.
     """
-    _check(block, start_time, most_lost)
+    _check(block, robot.n, start_time, most_lost)
     T = block.sample_time
     share = 1.0 if start_time < T else T / start_time
     check = SampleCheck(robot, T, LAGGING if _lags(block) else LEADING)
@@ -159,7 +159,15 @@ class _Guard:
         return after, results[-1]
 
 
-def _check(block: Block, start_time: float, most_lost: int) -> None:
+def _check(block: Block, joints: int, start_time: float, most_lost: int) -> None:
+    """Refuse what cannot be guarded.
+
+    Args:
+        block: the controller.
+        joints: of the robot.
+        start_time: [s].
+        most_lost: samples in a row.
+    """
     names = [f.name for f in block.inputs]
     if not {"q", "qd", "q_ref", "qd_ref"} <= set(names) or [f.name for f in block.outputs] != [
         "tau"
@@ -167,6 +175,12 @@ def _check(block: Block, start_time: float, most_lost: int) -> None:
         raise InputError(
             f"block {block.name!r} has inputs {names}; a guard expects q, qd, their reference and "
             "the single output tau"
+        )
+    found = next(f.size for f in block.inputs if f.name == "q")
+    if found != joints:
+        raise InputError(
+            f"block {block.name!r} is of an arm of {found} joints, the robot has {joints}; "
+            "expected the controller of this robot"
         )
     if start_time < 0 or most_lost < 0:
         raise InputError(

@@ -132,6 +132,9 @@ def linearize_block(block: Block, q: Array) -> Any:
     `control.StateSpace`.
 
     The sign makes it the controller of a loop with negative feedback.
+
+    Raises:
+        InputError: no controller, or one with guards.
     """
     import control
 
@@ -146,6 +149,11 @@ def linearize_block(block: Block, q: Array) -> Any:
     start = np.cumsum([0, *(f.size for f in block.inputs)])
     place = {f.name: slice(a, a + f.size) for f, a in zip(block.inputs, start, strict=False)}
     n = len(q)
+    if "fresh" in place:
+        raise InputError(
+            f"block {block.name!r} has guards, which no linear loop shows; expected the controller "
+            "without them: linearise it before `guarded`"
+        )
     if "q" not in place or "qd" not in place or block.outputs[0].name != "tau":
         raise InputError(
             f"block {block.name!r} is no controller: expected inputs q, qd and the first output tau"

@@ -98,8 +98,9 @@ def _values(field: Field, value: ArrayLike) -> Array:
         (field.upper, np.greater, "most"),
     ):
         if bounds and beyond(array, bounds).any():
+            said = ", ".join(map(str, bounds if len(set(bounds)) > 1 else bounds[:1]))
             raise InputError(
-                f"gains, {name}: found {value!r}; expected at {word} {', '.join(map(str, bounds))} "
-                f"[{field.unit}]: the C package refuses others"
+                f"gains, {name}: found {value!r}; expected at {word} {said} [{field.unit}]: "
+                "the C package refuses others"
             )
     return np.broadcast_to(array, size)

@@ -60,9 +60,14 @@ class Trajectory:
             if getattr(self, name) is not None:
                 object.__setattr__(self, name, _frozen(getattr(self, name)))
         self._check_shapes()
-        given = [self.time, self.q, self.qd, self.qdd, self.tau, self.s]
-        if not all(np.isfinite(a).all() for a in given if a is not None):
-            raise InputError("trajectory: found NaN or infinite values; expected finite numbers")
+        for name in _DIGITS:
+            values = getattr(self, name)
+            if values is not None and not np.isfinite(values).all():
+                row = int(np.argwhere(~np.isfinite(values))[0, 0])
+                raise InputError(
+                    f"trajectory: found NaN or infinite values ({name}, first in row {row + 1}); "
+                    "expected finite numbers"
+                )
         steps = np.diff(self.time)
         if (steps <= 0).any():
             row = int(np.argmax(steps <= 0))

@@ -6,8 +6,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from simulation.arms import START, STOP, arm, quintic_move, strong, with_effect, without_friction
+from simulation.planar_arm import planar
 
-from irb2400_ctrl.controllers import CONTROLLERS, controller
+from irb2400_ctrl.controllers import CONTROLLERS, controller, guarded
 from irb2400_ctrl.controllers.design import (
     JointDesign,
     computed_torque_with,
@@ -258,6 +259,31 @@ def test_says_what_cannot_be() -> None:
     with pytest.raises(InputError, match="expected 1 or 6"):
         computed_torque_with(arm(), [place_poles(60.0)] * 2)
     assert frequencies(1e-3)[-1] < np.pi / 1e-3
+
+
+@pytest.mark.parametrize(
+    ("crossover", "phase", "says"),
+    [
+        (np.nan, 1.0, "crossover of nan rad/s"),
+        (-120.0, 1.0, "crossover of -120 rad/s"),
+        (5000.0, 1.0, "expected 0 to 3142 rad/s"),
+        (120.0, 60.0, "phase margin of 60 rad"),
+    ],
+)
+def test_a_loop_that_is_none_is_not_shaped(crossover: float, phase: float, says: str) -> None:
+    with pytest.raises(InputError, match=says):
+        shape_loop(crossover, phase)
+
+
+def test_margins_of_a_controller_with_guards_are_refused() -> None:
+    """They were those of a loop that is not closed: UNSTABLE, any gain, any delay."""
+    with pytest.raises(InputError, match="linearise it before `guarded`"):
+        over_poses(arm(), guarded(controller("computed_torque", arm()), arm()), START)
+
+
+def test_a_controller_of_another_arm_is_not_guarded() -> None:
+    with pytest.raises(InputError, match="is of an arm of 6 joints, the robot has 2"):
+        guarded(controller("pid", arm()), planar())
 
 
 def test_elastic_joint_in_the_linearised_arm() -> None:

@@ -108,7 +108,7 @@ def both_units(text: str) -> str:
         (lambda t: t.replace("time_s", "t"), "lacks time_s"),
         (lambda t: t[: t.rindex("\n", 0, -2)] + "\nx" + ",0" * 18 + "\n", "a cell is not a number"),
         (lambda t: t.replace("\n0.004,", "\n0.4,"), "time does not increase"),
-        (lambda t: t.replace("\n0.004,", "\nnan,"), "NaN"),
+        (lambda t: t.replace("\n0.004,", "\nnan,"), "time, first in row 2"),
         (
             lambda t: t.replace("qd1_deg_s,", "qd1_rad_s,").replace("qd2_deg_s,", "qd2_rad_s,"),
             "lacks the columns qd1",
