@@ -81,6 +81,18 @@ def clearly_better(
     return gain > max(MARGIN, SHARE * other.cost) and bool(hidden or less or other.price > BEYOND)
 
 
+def for_one_joint(one: Fit, other: Fit) -> bool:
+    """Whether a reading explains a single joint at the cost of all others: what that joint has is
+    its own, for no column that is read rightly makes the others' torques harder to explain.
+
+    Args:
+        one: the reading; other: what it is held against.
+    """
+    most = int(np.argmax(other.left - one.left))
+    left = [np.sum(np.delete(fit.left, most) ** 2) for fit in (one, other)]
+    return bool(HALF * left[0] > left[1])
+
+
 def strange(reading: Reading, best: Fit) -> LogProblem | None:
     """A joint whose torque even its best factor does not explain."""
     if reading.kind != "torque_scale" or len(reading.joints) != 1:

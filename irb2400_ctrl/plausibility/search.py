@@ -14,6 +14,7 @@ from irb2400_ctrl.plausibility.criteria import (
     MARGIN,
     PUSHED,
     clearly_better,
+    for_one_joint,
     lost,
     nearly,
     only_one_off,
@@ -263,7 +264,10 @@ class _Search:
         costs = [quick.sharp_cost(reading, (MISFITS[-2],)) for reading in single]
         best = single[int(np.argmin(costs))]
         gain = self.sharp_cost(plain) - self.sharp_cost(best)
-        return (best, self.fit(best)) if gain > SHARP_GAIN * robot.n / 6.0 else None
+        if gain < SHARP_GAIN * robot.n / 6.0:
+            return None
+        found = self.fit(best)
+        return None if for_one_joint(found, labelled) else (best, found)
 
     def sharp_cost(self, reading: Reading, misfits: tuple[float, ...] = MISFITS) -> float:
         """Cost of a reading with the misfit that it supports; infinite where nothing is left."""

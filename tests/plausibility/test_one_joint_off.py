@@ -14,7 +14,7 @@ from independent_plant import Case
 from irb2400_ctrl.diagnosis import diagnose
 from irb2400_ctrl.measurement import Log
 from irb2400_ctrl.plausibility import search
-from irb2400_ctrl.plausibility.criteria import SOUND_LEFT, only_one_off
+from irb2400_ctrl.plausibility.criteria import SOUND_LEFT, for_one_joint, only_one_off
 from irb2400_ctrl.plausibility.evidence import Fit
 from irb2400_ctrl.plausibility.log_check import check_log, log_problem
 from irb2400_ctrl.plausibility.problem import LogProblem
@@ -103,3 +103,16 @@ def test_one_joint_is_off_where_the_others_are_sound_without_it() -> None:
     assert one_off([0.1, 0.1, 0.1, 0.1], 10.0) is None
     # two joints do not tell an arm
     assert one_off([0.1, 0.1, 0.6], 5.0) is None
+
+
+def test_a_reading_that_explains_one_joint_alone_is_none() -> None:
+    """A spring at the last joint of four passed for the zero of the joint before."""
+
+    def left(*shares: float) -> Fit:
+        return Fit(0.0, 0.0, np.array(shares))
+
+    labelled = left(0.07, 0.05, 0.04, 0.38)
+    assert for_one_joint(left(0.14, 0.06, 0.11, 0.16), labelled)
+    # the others hardly say which
+    assert not for_one_joint(left(0.08, 0.06, 0.05, 0.05), labelled)
+    assert not for_one_joint(left(0.02, 0.02, 0.02, 0.02), labelled)
