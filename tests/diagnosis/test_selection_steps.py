@@ -55,6 +55,9 @@ def explanation(kind: str, joint: int | None = 1, known: bool = True, **given: A
     }
     told = SimpleNamespace(kind=kind, joint=joint, known=known, **(usual | given))
     told.score = SimpleNamespace(gain=told.gain)
+    told.law = given.get("law", SimpleNamespace(joints=(0, 1, 2, 3, 4, 5)))
+    if joint is not None and "law" not in given:
+        told.law = SimpleNamespace(joints=(joint - 1,))
     told.acts_on = lambda n: np.arange(1, n + 1) == (joint or 1)
     return told
 

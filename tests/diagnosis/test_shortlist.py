@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
 from typing import Any
 
 from diagnosis.test_selection_steps import explanation
@@ -32,3 +33,12 @@ def test_many_rivals_of_one_joint_hide_no_other_joint() -> None:
     laws = [explanation("f0", 4, False, gain=80.0)]
     found = shortlist([*crowd, *laws, *others, *whole, *little], 6, 20.0)
     assert [c.kind for c in found] == ["n0", "n1", "n2", "n3", "ripple", "payload", "f0"]
+
+
+def test_a_coupling_of_two_joints_hides_no_name_of_either() -> None:
+    """The gain of one was the next joint's, and a ripple that said ten times more was not asked."""
+    coupling = explanation("coupling", 4, gain=95.0, law=SimpleNamespace(joints=(3, 4)))
+    crowd = [explanation(f"n{k}", 5, gain=90.0 - k) for k in range(9)]
+    ripple = [explanation("ripple", 4, gain=60.0)]
+    found = shortlist([coupling, *crowd, *ripple], 6, 20.0)
+    assert [c.kind for c in found] == ["coupling", "n0", "n1", "n2", "ripple"]

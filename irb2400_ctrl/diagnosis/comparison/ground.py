@@ -145,7 +145,7 @@ def _is_refused(candidate: Candidate, refused: Collection[Name]) -> bool:
 def shortlist(ranked: Sequence[Candidate], count: int, least: float) -> list[Candidate]:
     """The best `count` candidates, among them at least a third of the library and a few
     non-parametric ones; then the best of each joint that has none among them: the many rivals of
-    one joint hide no other's.
+    one joint hide no other's. A coupling of two is neither's own: its gain may be the other's.
 
     Args:
         ranked: all, best first; count: to be named so.
@@ -153,12 +153,12 @@ def shortlist(ranked: Sequence[Candidate], count: int, least: float) -> list[Can
     """
     known = [c for c in ranked if c.known][: max(count * 2 // 3, 1)]
     non_parametric = [c for c in ranked if not c.known][: max(count - len(known), count // 3)]
-    hidden: dict[int | None, Candidate] = {}
+    hidden: dict[tuple[int, ...], Candidate] = {}
     for candidate in ranked:
         if candidate.known and candidate.score.gain > least:
-            hidden.setdefault(candidate.joint, candidate)
-    seen = {c.joint for c in known}
-    return [*known, *(c for joint, c in hidden.items() if joint not in seen), *non_parametric]
+            hidden.setdefault(candidate.law.joints, candidate)
+    seen = {c.law.joints for c in known}
+    return [*known, *(c for joints, c in hidden.items() if joints not in seen), *non_parametric]
 
 
 def _once(function: Callable[[One], Found]) -> Callable[[One], Found]:
