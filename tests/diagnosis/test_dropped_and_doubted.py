@@ -169,6 +169,7 @@ def test_where_much_is_not_understood_a_little_shows_nothing(
         threshold=SimpleNamespace(
             left_by=lambda c, joint: 0.0,
             least_gain=lambda c, one: needed[one.candidate.kind],
+            matters=lambda c, one: np.array([True]),
             most_on=lambda candidate: candidate.joint or 5,
         ),
     )
@@ -188,6 +189,11 @@ def test_where_much_is_not_understood_a_little_shows_nothing(
     assert len(remarks) == (nameless is not None)
     # what unseen rows did not bear out is there all the same
     assert seen == [()]
+    # what is too small for its name has one all the same
+    selection.nameless = None
+    selection.threshold.matters = lambda c, one: np.array([False])
+    assert Selection._weighty(selection, steps, fit)[0] == kept
+    assert selection.nameless is None
     # nor does what itself would not count
     needed["rest"] = 148.1
     assert Selection._weighty(selection, steps, fit)[0] == steps

@@ -124,7 +124,7 @@ class Threshold:
             return True  # its quick part is most of it, and in no column
         if not self._shows_moving(comparison, alternative):
             return False
-        matters = self._matters(comparison, alternative)
+        matters = self.matters(comparison, alternative)
         if comparison.chosen and matters.any():
             matters &= self._new(comparison, candidate)
         return bool(matters.any()) and not self._once(comparison, candidate)
@@ -151,7 +151,7 @@ class Threshold:
             return False
         return not must or 1.0 / c.same_size < size < c.same_size
 
-    def _matters(self, comparison: Comparison, alternative: Alternative) -> npt.NDArray[np.bool_]:
+    def matters(self, comparison: Comparison, alternative: Alternative) -> npt.NDArray[np.bool_]:
         """Joints on which it is large enough, shape (n,)."""
         c = self.criteria
         candidate = alternative.candidate
@@ -192,7 +192,7 @@ class Threshold:
             and other.candidate.kind != alternative.candidate.kind
             and not other.candidate.rattles
             and other.evidence > alternative.evidence + clearly
-            and not self._matters(comparison, other).any()
+            and not self.matters(comparison, other).any()
             for other in every
         )
 

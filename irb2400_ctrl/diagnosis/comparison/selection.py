@@ -178,7 +178,11 @@ class Selection:
                 left -= self.threshold.left_by(comparison, joint)
                 if left > most:
                     most = left
-                    where = self.threshold.most_on(rest.candidate)
+                    # what is too small for its name has one
+                    small = (
+                        rest.candidate.known and not self.threshold.matters(comparison, rest).any()
+                    )
+                    where = None if small else self.threshold.most_on(rest.candidate)
         kept = [
             s
             for s in steps
