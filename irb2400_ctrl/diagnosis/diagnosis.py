@@ -11,13 +11,13 @@ from typing import Any, Literal
 import numpy as np
 import numpy.typing as npt
 
-from irb2400_ctrl.arrays import Array, rms
+from irb2400_ctrl.arrays import Array, Mask, rms
 from irb2400_ctrl.diagnosis.at_rest import worse_at_rest
 from irb2400_ctrl.diagnosis.finding import Finding, Unexplained
 from irb2400_ctrl.diagnosis.log_errors import LogErrors
 from irb2400_ctrl.diagnosis.numbers import Number
 from irb2400_ctrl.diagnosis.preparation.metrics import Errors
-from irb2400_ctrl.diagnosis.preparation.noise_test import NoiseTest
+from irb2400_ctrl.diagnosis.preparation.noise_test import NoiseTest, trimmed_rms
 from irb2400_ctrl.diagnosis.sound_logs import LeftOut
 from irb2400_ctrl.files import plain, write_json
 from irb2400_ctrl.notebook import Displayed
@@ -34,6 +34,8 @@ SLOW = 1.2
 """times the floor that the spectrum of what is left shows above the motion's frequencies, below
 which it is as strong there: noise with a colour (1.07 at most on three sound arms whose torque
 sensors have it, 1.6 and more where a law was missing)"""
+
+
 USUAL = 1.3
 """times what a reference leaves on stretches that its model had not seen"""
 
@@ -141,26 +143,43 @@ class Diagnosis(Displayed):
             j for j in self.noise.by_means_alone if left[j - 1] < SLOW * self.noise_floor[j - 1]
         ]
         beyond = [j for j in self.noise.beyond if j not in (*self.not_excited, *coloured)]
-        if self.usual_error is None:
-            return tuple(beyond)
-        return tuple(j for j in beyond if left[j - 1] > USUAL * self.usual_error[j - 1])
+        return tuple(j for j in beyond if self._news[j - 1])
 
     @property
     def left_over(self) -> tuple[int, ...]:
         """Joints (from 1) on which much more than noise is left after all that was found."""
         compared = self.identification
-        left = compared.error_after.rmse
         size = rms(compared.measured)
-        # fast misfit is no noise: neighbouring samples tell, where they were asked
-        floor = (
-            self.noise_floor
-            if self.noise is None
-            else np.minimum(self.noise_floor, self.noise.floor)
-        )
-        much = left > np.maximum(NEAR_FLOOR * floor, LITTLE * size)
-        if self.usual_error is not None:
-            much &= left > USUAL * self.usual_error
+        much = self.mostly_left > np.maximum(NEAR_FLOOR * self.least_floor, LITTLE * size)
+        much &= self._news
         return tuple(int(j) + 1 for j in np.flatnonzero(much) if j + 1 not in self.not_excited)
+
+    @property
+    def mostly_left(self) -> Array:
+        """Rms of what is left, beside the few samples at which a joint sticks, (n,) [Nm]."""
+        compared = self.identification
+        left = compared.measured - compared.after
+        pairs = zip(left.T, compared.known.T, strict=True)
+        return np.array([trimmed_rms(one[known]) for one, known in pairs])
+
+    @property
+    def least_floor(self) -> Array:
+        """Noise that what is left is held against, (n,) [Nm]: fast misfit is none, as neighbouring
+        samples tell where they were asked."""
+        if self.noise is None:
+            return self.noise_floor
+        return np.minimum(self.noise_floor, self.noise.floor)
+
+    @property
+    def _news(self) -> Mask:
+        """Joints on which more is left than the model of this very arm leaves of any motion, (n,);
+        all where the file is of none."""
+        if self.usual_error is not None:
+            return np.asarray(self.identification.error_after.rmse > USUAL * self.usual_error)
+        if self.given.identified is None:
+            return np.ones(self.given.n, dtype=bool)
+        usual = np.hypot(self.given.usually_left, self.least_floor)
+        return np.asarray(self.mostly_left > USUAL * usual)
 
     @property
     def error(self) -> dict[str, Any]:

@@ -13,13 +13,15 @@ import numpy as np
 import pytest
 from independent_plant import Case, Effect
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.diagnosis import Diagnosis, diagnose
 from irb2400_ctrl.diagnosis.comparison.selection import Selection
 from irb2400_ctrl.diagnosis.findings import _share
+from irb2400_ctrl.diagnosis.preparation.metrics import errors
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.measurement import Log
 from irb2400_ctrl.report.pages.diagnosis_page import lines
-from irb2400_ctrl.robot import load_robot
+from irb2400_ctrl.robot import Identified, load_robot
 
 
 @cache
@@ -81,20 +83,39 @@ def test_what_no_name_says_is_told_where_lesser_names_fall_for_it(
     assert any("joint 4: something there says more than twice" in said for said in found.weak)
 
 
+def _with_misfit(found: Diagnosis, misfit: Array) -> Diagnosis:
+    """As if so much more were left, shape (m, n) [Nm]."""
+    compared = found.identification
+    after = compared.after - misfit
+    error = errors(compared.measured, after, compared.known)
+    return replace(found, identification=replace(compared, after=after, error_after=error))
+
+
 def test_much_more_than_noise_left_on_a_joint_is_not_explained() -> None:
     found = diagnosed(7, Effect("gear_ripple", 4, 0.1))
     assert found.left_over == ()
-    after = found.identification.error_after
-    much = after.rmse.copy()
-    much[2] = 0.2 * np.sqrt(np.mean(found.identification.measured[:, 2] ** 2))
-    worse = replace(found.identification, error_after=replace(after, rmse=much))
-    left = replace(found, identification=worse)
+    measured = found.identification.measured
+    size = np.sqrt(np.mean(measured[:, 2] ** 2))
+    misfit = np.zeros_like(measured)
+    misfit[:, 2] = 0.2 * size
+    left = _with_misfit(found, misfit)
     assert left.left_over == (3,)
     assert left.verdict == "unexplained"
+    assert any(said.startswith("  Joint 3: ") for said in lines(left))
     # a misfit as fast as noise is in the floor of the residual, not in that of its differences
-    fast = replace(left, noise_floor=much)
+    fast = replace(left, noise_floor=np.full(6, 0.2 * size))
     assert fast.left_over == (3,)
     assert replace(fast, noise=None).left_over == ()
+    # joints that stick where they turn leave much on few samples
+    few = np.zeros_like(measured)
+    few[::100, 2] = 2.0 * size
+    sticks = _with_misfit(found, few)
+    assert sticks.identification.error_after.rmse[2] > 0.15 * size
+    assert sticks.left_over == ()
+    # nor is a misfit news that the identification of this arm has left as well
+    known = Identified.of(["m_1"], np.eye(1), ["a.csv"], 0.2 * size * np.eye(6)[2])
+    usual = left.given.model_copy(update={"identified": known})
+    assert replace(left, given=usual).left_over == ()
     # nor is what no name says, for which lesser names were taken back
     assert found.verdict == "explained"
     assert replace(found, nameless=2).verdict == "unexplained"

@@ -259,7 +259,6 @@ def _why(diagnosis: Diagnosis) -> list[str]:
     problem = diagnosis.log_problem
     if problem is not None:
         return [sentence(f"{problem.says} ({problem.kind})")]
-    left = diagnosis.identification.error_after.rmse
     noise = diagnosis.noise
     # what is said of a joint already is not said again
     told = diagnosis.left_over if diagnosis.findings else ()
@@ -273,7 +272,8 @@ def _why(diagnosis: Diagnosis) -> list[str]:
     bodies = off_bodies(diagnosis.numbers)
     found += [bodies] if bodies else []
     return found + [
-        f"Joint {j}: {left[j - 1]:.2f} Nm rms are left, noise is {diagnosis.noise_floor[j - 1]:.2f}"
+        f"Joint {j}: {diagnosis.mostly_left[j - 1]:.2f} Nm rms are left, noise is "
+        f"{diagnosis.least_floor[j - 1]:.2f}"
         for j in told
     ]
 
