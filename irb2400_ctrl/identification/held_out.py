@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from irb2400_ctrl.arrays import Array, Integers
+from irb2400_ctrl.diagnosis.estimation.reversals import near_reversals
 from irb2400_ctrl.identification.fitting.baseline import plain_least_squares
 from irb2400_ctrl.identification.fitting.columns import ColumnLayout
 from irb2400_ctrl.identification.fitting.estimate import averaged, estimate
@@ -77,7 +78,8 @@ def slowly_left(results: Sequence[LogResult]) -> Array:
     """What the fit left of the log that is worst on each joint on stretches that it had not seen,
     noise apart: rms of its means over `MEAN_OVER`, shape (n,) [Nm].
 
-    What one motion leaves another may leave: the mean over all is less than some of them.
+    What one motion leaves another may leave: the mean over all is less than some of them. Where a
+    joint turns it sticks first, which a diagnosis knows of every joint.
     """
     each = [_slowly_left(result) for result in results]
     squares = np.array([found for found, _ in each])
@@ -92,10 +94,12 @@ def slowly_left(results: Sequence[LogResult]) -> Array:
 def _slowly_left(result: LogResult) -> tuple[Array, Array]:
     """Sum of squares of one log's means, and how many there are, per joint, shapes (n,)."""
     n = result.measured.shape[1]
-    count = max(2, round(MEAN_OVER / float(result.time[1] - result.time[0])))
+    step = float(result.time[1] - result.time[0])
+    count = max(2, round(MEAN_OVER / step))
     whole = len(result.time) // count * count
     left = (result.measured - result.unseen)[:whole].reshape(-1, count, n)
-    known = result.known[:whole].reshape(-1, count, n).all(axis=1)
+    calm = result.known & ~near_reversals(result.qd, step)
+    known = calm[:whole].reshape(-1, count, n).all(axis=1)
     means = np.sum(np.where(known, left.mean(axis=1), 0.0) ** 2, axis=0)
     steps = np.sum(np.where(known, np.mean(np.diff(left, axis=1) ** 2, axis=1), 0.0), axis=0)
     # of white noise a mean keeps one part in `count`, a step twice

@@ -22,8 +22,8 @@ class Identified(Table):
     The root keeps C positive however its digits are cut. `root` gives each number its row of L, as
     text: `m_1` [kg], `mx_1` [kg m], `Ixx_1` [kg m2] of the links about their frames' origins (the
     tool in the last one), `coulomb_1`, `offset_1` [Nm], `viscous_1` [Nm s/rad], `rotor_1` [kg m2].
-    `left_Nm` is what the fit left of each joint on stretches which it had not seen, noise apart;
-    empty in files that do not say.
+    `left_Nm` is what the fit left of each joint on stretches which it had not seen, noise and the
+    joint's turns apart; empty in files that do not say.
     """
 
     logs: tuple[str, ...] = ()

@@ -25,7 +25,11 @@ def log(wander: float, noise: float = 1.0, seconds: float = 60.0, known: int | N
     if known is not None:
         rows[known:] = False
     return SimpleNamespace(
-        time=STEP * np.arange(count), measured=left, unseen=np.zeros((count, 2)), known=rows
+        time=STEP * np.arange(count),
+        qd=np.ones((count, 2)),
+        measured=left,
+        unseen=np.zeros((count, 2)),
+        known=rows,
     )
 
 
@@ -43,3 +47,13 @@ def test_a_log_with_hardly_any_known_rows_is_not_the_worst_by_chance() -> None:
     np.testing.assert_allclose(slowly_left([log(0.5, noise=3.0), *few]), alone)
     # where there are no others they count together
     assert 0.0 < slowly_left(few)[0] < 1.5
+
+
+def test_what_sticks_at_turns_is_not_left_elsewhere() -> None:
+    """A diagnosis takes it for no effect on any joint: noise of the whole motion hid others."""
+    one = log(0.0)
+    one.qd = np.cos(2.0 * np.pi * 0.25 * one.time)[:, None] * np.ones(2)
+    sticks = log(0.0)
+    sticks.qd = one.qd
+    sticks.measured = one.measured + 10.0 * (np.abs(one.qd) < 0.05)
+    np.testing.assert_allclose(slowly_left([sticks]), slowly_left([one]))

@@ -30,11 +30,19 @@ LEAST_CALM = 50
 
 def reversal_rows(motion: PreparedLog) -> Mask:
     """Rows near a change of direction or a near stop, shape (rows, n)."""
-    turning = np.abs(motion.qd) < STICKING_SPEED
-    for j in range(motion.n):
-        turning[turns(motion.qd[:, j])[0], j] = True
-    turning = widened(turning, round(REVERSAL_TIME / motion.step))
-    return motion.at_rows(turning.astype(float)) > 0.5
+    return motion.at_rows(near_reversals(motion.qd, motion.step).astype(float)) > 0.5
+
+
+def near_reversals(qd: Array, step: float) -> Mask:
+    """The same of samples, shape of qd [rad/s].
+
+    Args:
+        qd: speeds, shape (m, n); step: between two samples [s].
+    """
+    turning = np.abs(qd) < STICKING_SPEED
+    for j, speed in enumerate(qd.T):
+        turning[turns(speed)[0], j] = True
+    return widened(turning, round(REVERSAL_TIME / step))
 
 
 def noisy_reversals_masked(
