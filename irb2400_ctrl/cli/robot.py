@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from irb2400_ctrl.robot import Robot
 
 app = typer.Typer(
-    help="show, check, import, begin or export a robot",
+    help="show, check, import, write anew or export a robot",
     no_args_is_help=True,
     rich_markup_mode=None,
 )
@@ -42,23 +42,29 @@ def show(robot: RobotArgument = "irb2400") -> Summary:
 
     arm = load_robot(robot)
     print(f"{arm.name}: {arm.n} joints, {len(arm.effects)} effects. Source: {arm.source}")
-    print("joint        range deg      speed deg/s  torque Nm  Fs Nm  Fc Nm  Fv Nms/rad  wst rad/s")
+    wide = max(10, *(len(joint.name) for joint in arm.joints))
+    print(
+        f"{'joint':<{wide}}   range deg      speed deg/s  torque Nm  Fs Nm  Fc Nm  Fv Nms/rad  "
+        "wst rad/s"
+    )
     for joint in arm.joints:
         low, high = joint.limits.range_deg
         f = joint.friction
         print(
-            f"{joint.name:<10} {low:>6.0f} … {high:<6.0f} {_cell(joint.limits.speed_deg_s, 10, 0)} "
-            f"{_cell(joint.limits.torque_Nm, 10, 0)} {_cell(f.static_Nm, 6, 1)} "
-            f"{_cell(f.coulomb_Nm, 6, 1)} {_cell(f.viscous_Nms_rad, 11, 2)} "
+            f"{joint.name:<{wide}} {low:>6.0f} … {high:<6.0f} "
+            f"{_cell(joint.limits.speed_deg_s, 10, 0)} {_cell(joint.limits.torque_Nm, 10, 0)} "
+            f"{_cell(f.static_Nm, 6, 1)} {_cell(f.coulomb_Nm, 6, 1)} "
+            f"{_cell(f.viscous_Nms_rad, 11, 2)} "
             f"{_cell(f.stribeck_rad_s, 10, 4)}"
         )
-    print("link        mass kg   centre of mass mm")
     bodies = [(link.name, link.body) for link in arm.links]
     if arm.tool is not None:
         bodies.append((f"tool ({arm.tool.name})", arm.tool.body))
+    wide = max(24, *(len(name) for name, _ in bodies))
+    print(f"{'link':<{wide}} mass kg   centre of mass mm")
     for name, body in bodies:
         com = ", ".join(f"{1e3 * c:.1f}" for c in body.com_m)
-        print(f"{name:<24} {body.mass_kg:>7.2f}   {com}")
+        print(f"{name:<{wide}} {body.mass_kg:>7.2f}   {com}")
     if arm.tool is not None:
         x, y, z = 1e3 * np.array(arm.X_FT[:3, 3])
         print(f"TCP in the flange frame: {x:.0f}, {y:.0f}, {z:.0f} mm")
@@ -169,16 +175,17 @@ def _print_bodies(arm: Robot) -> dict[str, Any]:
     from irb2400_ctrl.model.plausibility import plausibility
     from irb2400_ctrl.model.positive_definite import certify
 
+    bodies = consistency.report(arm)
+    wide = max([18, *(len(body.name) for body in bodies)])
     print(
-        "body               principal moments kg m2          triangle slack  smallest of "
+        f"{'body':<{wide}} principal moments kg m2          triangle slack  smallest of "
         "pseudo-inertia"
     )
-    bodies = consistency.report(arm)
     for body in bodies:
         moments = " ".join(f"{value:9.5f}" for value in body.principal_moments)
         verdict = "" if body.consistent else "  impossible"
         print(
-            f"{body.name:<18} {moments}  {body.triangle_slack:13.5f}  "
+            f"{body.name:<{wide}} {moments}  {body.triangle_slack:13.5f}  "
             f"{body.pseudo_inertia:13.5f}{verdict}"
         )
     issues = consistency.check(arm)

@@ -37,11 +37,11 @@ def schema(
 ) -> Summary:
     """Print the JSON Schema of a file.
 
-    By hand are written robot, cell and study: an editor completes and checks them where the first
-    line is `#:schema robot.schema.json`. For programs are written, as FILE.json, plan, program,
-    rotation_map, placement, simulation, findings, closed_loop, watch, identification, covariance,
-    validation, excitation and verification; trajectory is a row of trajectory.csv, case a row of
-    a sweep's cases."""
+    Files that you write: robot, cell and study; an editor completes and checks them where the
+    first line is `#:schema robot.schema.json`. Files that irb2400 writes, as FILE.json: plan,
+    program, rotation_map, placement, simulation, findings, closed_loop, watch, identification,
+    covariance, validation, excitation and verification. trajectory is a row of trajectory.csv,
+    case a row of a sweep's cases."""
     found = schema_of(file)
     print(json.dumps(found, indent=2))
     return Summary(found)

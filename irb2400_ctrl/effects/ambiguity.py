@@ -114,8 +114,8 @@ MASS = Ambiguity(
 )
 OFFSET = Ambiguity(
     "offset",
-    splits="many turns of the joint, sampled at 200 Hz and more: friction passes through nothing "
-    "there, an offset does not",
+    splits="many reversals of the joint, sampled at 200 Hz or more: at each, friction passes "
+    "through zero, an offset does not",
     measure_else="read the torque with the brakes on and the drives off: an offset of the "
     "measurement stays, friction does not",
     motions=("swing", "slow", "alone", "reversals"),

@@ -121,7 +121,7 @@ class Excitation:
         assumed = AccelerationLimits.of(self.robot).remark()
         text = [
             f"{self.group.name}: {', '.join(self.group.kinds)}; {self.course.duration:.1f} s",
-            f"{self.extent.shares()} ({100 * SHARE:.0f} % of the torque is used)",
+            f"{self.extent.shares()} ({100 * SHARE:.0f} % of the torque may be used)",
             *([assumed] if assumed else []),
             f"{'separation in standard deviations':<58}{'standard':>10}{'planned':>10}",
         ]

@@ -91,7 +91,7 @@ class IdentificationMotion:
         return [
             f"motion of {self.course.duration:.1f} s: condition number {after:.0f} (standard "
             f"motion {before:.0f}); the number it shows least stands out "
-            f"{self.distances[1][0]:.2g} standard errors ({self.distances[0][0]:.2g})",
+            f"{self.distances[1][0]:.3g} standard errors ({self.distances[0][0]:.3g})",
             self.extent.shares(),
             f"slow runs of {self.runs.course.duration:.0f} s: {len(self.runs.speeds[0])} speeds of "
             f"every joint from {self.runs.speeds[0][0]:.3g} rad/s, both ways (eq. 74, thinned)",

@@ -128,10 +128,10 @@ class Gains:
         )
         return (
             "the torque channels do not agree on the bodies that all joints feel: they read "
-            f"{read} times their torque (joint 1 on; the middle one as 1, and what is not clear); "
-            "the robot has them as torque_gain. Are torque constants, gear ratios and units what "
-            "the columns say? A factor that all share is not told by this but by a known load "
-            "(--loaded, --load)"
+            f"{read} times their torque (from joint 1 on; 1 stands for the middle one and for what "
+            "is not clear); the robot has them as torque_gain. Are torque constants, gear ratios "
+            "and units what the columns say? A factor that all share is not told by this "
+            "but by a known load (--loaded, --load)"
         )
 
     def to_json(self) -> dict[str, Any]:

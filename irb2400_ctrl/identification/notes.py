@@ -14,6 +14,7 @@ from irb2400_ctrl.identification.gate import Verdict
 from irb2400_ctrl.identification.identification import LogResult
 from irb2400_ctrl.identification.moved import ALARM, SHOWN, Moved
 from irb2400_ctrl.identification.understood_logs import HALF, LITTLE
+from irb2400_ctrl.wording import numbered
 
 SURE = 2.0
 """standard errors from nothing of what an arm is said to have"""
@@ -160,11 +161,11 @@ def notes_of(moved: Sequence[Moved], found: Fit, covariance: Array, said: str) -
             f"another unit, a clock wrong by about {np.sqrt(factor):.2g}, or the file of an arm of "
             "another size look like that"
         )
-    never = ", ".join(str(one.link) for one in moved if not one.could_be)
+    never = [one.link for one in moved if not one.could_be]
     if never:
         notes.append(
-            f"the file's bodies of link {never} cannot exist (irb2400 robot check); they were "
-            "moved to ones that can"
+            f"the file's bodies of {numbered('link', never)} cannot exist (irb2400 robot check); "
+            "they were moved to ones that can"
         )
     kinds = {
         "coupling": "moves with the next joint (gears of a wrist)",
@@ -175,8 +176,11 @@ def notes_of(moved: Sequence[Moved], found: Fit, covariance: Array, said: str) -
         "load": "has dry friction that grows with the torque that its gear carries",
         "power": "has friction that does not grow in proportion to its speed",
     }
+    joints: dict[str, list[int]] = {}
     for extra in found.layout.extras:
         sure = _sure(extra, found, covariance)
         doubt = "" if sure else ", by less than twice the standard error of it: perhaps not"
-        notes.append(f"joint {extra.joint} {kinds[extra.kind]}{doubt}")
+        joints.setdefault(f"{kinds[extra.kind]}{doubt}", []).append(extra.joint)
+    for text, have in joints.items():
+        notes.append(f"{numbered('joint', have)}{': each' if len(have) > 1 else ''} {text}")
     return [*notes, said] if said else notes

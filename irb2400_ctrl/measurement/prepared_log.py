@@ -32,6 +32,7 @@ from irb2400_ctrl.measurement.uniform import (
     widened,
 )
 from irb2400_ctrl.typed import typed
+from irb2400_ctrl.wording import numbered
 
 UNEVEN = (
     "the angles jump in time as where a host reads some samples twice and misses others: "
@@ -126,8 +127,9 @@ class PreparedLog:
         """Why speeds and accelerations carry the noise of measured angles, where they do."""
         if self.instrumented:
             return ()
-        joints = ", ".join(f"joint {j}" for j in self.disobeying)
-        return (OTHER_MOTION.format(joints=joints) if joints else NO_COMMAND,)
+        if not self.disobeying:
+            return (NO_COMMAND,)
+        return (OTHER_MOTION.format(joints=numbered("joint", self.disobeying)),)
 
     @property
     def remarks(self) -> tuple[str, ...]:

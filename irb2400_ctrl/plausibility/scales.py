@@ -115,7 +115,7 @@ def _reading(nominal: Nominal, factors: Array, joints: list[int], cost: Cost) ->
     unit = _unit(factor, sigma)
     return replace(
         plain,
-        says=f"torque looks like {unit}{where}: x {factor:.3g} +- {sigma:.1g}{bodies}",
+        says=f"torque looks like {unit}{where}: times {factor:.3g} ± {sigma:.1g}{bodies}",
         fits={"factor": float(f"{factor:.4g}"), "standard_error": float(f"{sigma:.2g}")},
         joints=() if len(here) == n else tuple(j + 1 for j in here),
         price=PRICE,

@@ -60,7 +60,7 @@ def test_a_misread_log_exits_2_with_what_would_fit(tmp_path: Path) -> None:
     path = write_log(replace(log, tau=log.tau / 100.0), tmp_path / "log.csv")
     done = run("log", "check", path, "--json")
     assert done.returncode == 2
-    assert "torque looks like motor side: x" in done.stderr
+    assert "torque looks like motor side: times" in done.stderr
     assert "Traceback" not in done.stderr
     found = json.loads(done.stdout)
     assert found["sound"] is False

@@ -41,3 +41,18 @@ def test_a_missing_robot_is_one_line(tmp_path: Path) -> None:
     done = irb2400("robot", "check", "nowhere.toml", cwd=tmp_path)
     assert done.returncode == 2
     assert len(done.stderr.splitlines()) == 1
+
+
+def test_long_names_keep_the_columns_together(tmp_path: Path) -> None:
+    robot = irb.load_robot("irb2400")
+    first = robot.links[0].model_copy(update={"name": "a_link_whose_name_is_very_long_indeed"})
+    links = (first, *robot.links[1:])
+    irb.save_robot(
+        robot.model_copy(update={"links": links, "outline": None}), tmp_path / "long.toml"
+    )
+    for command, column in (("show", "mass kg"), ("check", "principal moments")):
+        text = irb2400("robot", command, "long.toml", cwd=tmp_path).stdout.split("\n")
+        at = next(k for k, line in enumerate(text) if column in line)
+        begun = text[at].index(column)
+        rows = text[at + 1 : at + 1 + robot.n]
+        assert all(row[begun - 1] == " " and row[: begun - 1].strip() for row in rows)

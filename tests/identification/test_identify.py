@@ -119,7 +119,7 @@ def test_a_wrong_body_is_said_and_set_right(logs: list[irb.Log]) -> None:
 
 
 def test_bodies_that_cannot_exist_are_said(found: Identification) -> None:
-    assert any("link 2, 3, 4 cannot exist" in note for note in found.notes)
+    assert any("links 2, 3 and 4 cannot exist" in note for note in found.notes)
     assert not any("not this arm's" in note for note in found.notes)
 
 

@@ -37,6 +37,15 @@ def test_what_is_within_its_own_error_is_not_said_as_a_fact(
     assert note.endswith("perhaps not") != sure
 
 
+def test_joints_that_share_a_note_share_a_line() -> None:
+    """Of a Panda the same line came seven times."""
+    layout = ColumnLayout(3, tuple(Extra("reading", joint) for joint in (1, 2, 3)))
+    theta = np.full(layout.count, 0.1)
+    found: Any = SimpleNamespace(layout=layout, theta=theta)
+    (note,) = notes_of((), found, np.ones(layout.count), "")
+    assert note.startswith("joints 1, 2 and 3: each reads its torque without part of what")
+
+
 def test_a_share_that_no_motion_determines_has_no_digits() -> None:
     """Of plain least squares on joints at rest 494428718402185600.0 % was printed."""
     assert _share(12.34) == "   12.3"

@@ -53,7 +53,7 @@ def test_the_arm_is_that_of_torques_that_were_read_right() -> None:
     assert told[4] == pytest.approx(1.4, rel=0.03)
     assert found.to_json()["gains"]["source"] == "other joints"
     (line,) = [note for note in found.notes if "torque channels" in note]
-    assert "the middle one as 1" in line
+    assert "1 stands for the middle one" in line
     again = validate(found.robot, replace(log(1, 0.0), tau=log(1, 0.0).tau / GAIN * gain))
     alike = validate(right.robot, replace(log(1, 0.0), tau=log(1, 0.0).tau / GAIN))
     assert (again.error.rmse < 1.05 * alike.error.rmse * gain).all()

@@ -14,6 +14,7 @@ from irb2400_ctrl.measurement import Log
 from irb2400_ctrl.measurement.joined_log import prepare_together
 from irb2400_ctrl.measurement.motion.recorded_speed import polled
 from irb2400_ctrl.measurement.prepared_log import UNEVEN, PreparedLog, prepare
+from irb2400_ctrl.wording import numbered
 
 STEP = 0.001
 STAMPS = np.arange(0.0, 8.0, STEP)
@@ -149,7 +150,8 @@ def test_it_is_said_why_the_motion_is_the_measured_one() -> None:
     assert one != prepare(other).disobeying
     both = prepare_together([other, third])
     assert both.disobeying == tuple(sorted({1, *one}))
-    names = ", ".join(f"joint {j}" for j in both.disobeying)
+    names = numbered("joint", both.disobeying)
+    assert names.startswith("joints 1")
     assert both.from_measured[0].startswith(f"not as commanded (q_ref): {names}; ")
 
 

@@ -132,7 +132,8 @@ def _print_operation(operation: Operation) -> None:
     number = "" if tool["number"] is None else f" {tool['number']}"
     diameter = "" if tool["diameter_mm"] is None else f", diameter {tool['diameter_mm']:g} mm"
     feed = s["feed_mm_s"]
-    stated = "none stated" if feed is None else f"{feed[0]:.4g} … {feed[1]:.4g} mm/s"
+    ends = [] if feed is None else dict.fromkeys(f"{end:.4g}" for end in feed)
+    stated = f"{' … '.join(ends)} mm/s" if ends else "none stated"
     turning = f"{s['spindle_rpm']:.0f} 1/min {s['spindle']}" if s["spindle_rpm"] else "not stated"
     low, high = s["extent_mm"]
     extent = ", ".join(

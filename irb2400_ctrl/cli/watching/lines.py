@@ -33,7 +33,7 @@ def status(lately: list[Seen]) -> str:
     ]
     rows = {
         "residual": ["-" if v != v else f"{v**0.5:.1f}" for v in energy],
-        "external Nm": ["-" if v != v else f"{v:.1f}" for v in torque],
+        "external Nm": ["-" if v != v else f"{v:z.1f}" for v in torque],
         "Coulomb Nm": friction[:n],
         "viscous Nms": friction[n:],
     }

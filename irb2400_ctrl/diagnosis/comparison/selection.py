@@ -27,8 +27,8 @@ UNSETTLED = (
     "something acts on the whole arm that no name fits; take what is said for a suspicion"
 )
 NAMELESS = (
-    "joint {joint}: something there says more than twice what a name said that was found, and has "
-    "none; the name was taken back"
+    "joint {joint}: what is left there without a name weighs more than twice as much as a name "
+    "that was found; that name was taken back"
 )
 DOUBTS = 2
 """refused flexible laws of a joint that its effects are held against"""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
+from typing import get_args
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -12,6 +13,7 @@ from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.diagnosis.preparation.base_prior import BODY
 from irb2400_ctrl.identification import Identification, LogResult
 from irb2400_ctrl.identification.few_samples import few_samples
+from irb2400_ctrl.identification.gate import Grade as Told
 from irb2400_ctrl.identification.moved import ALARM, Moved
 from irb2400_ctrl.measurement import Log
 from irb2400_ctrl.measurement.prepared_log import UNEVEN
@@ -225,8 +227,10 @@ def lines(result: Identification) -> list[str]:
             found.append(f"  {name:<21}" + " ".join(_share(v) for v in values))
         found += [f"  unseen, {said}" for said in few_samples(log)]
     grades = [verdict.grade for verdict in result.verdicts]
-    told = ", ".join(f"{grades.count(grade)} {grade}" for grade in dict.fromkeys(grades))
-    return [*found, f"numbers that these motions show: {told}"]
+    told = ", ".join(
+        f"{grades.count(grade)} {grade}" for grade in get_args(Told) if grade in grades
+    )
+    return [*found, f"what these motions tell of {len(grades)} numbers: {told}"]
 
 
 def _share(percent: float) -> str:

@@ -55,7 +55,7 @@ def read_urdf(path: Path, root: ET.Element) -> Tree:
     _one_parent(path, joints)
     name = root.get("name") or path.stem
     rounded = _rounded_angles(root)
-    notes = [f"{rounded} rpy with quarter turns of few digits (1.5708) are read as exact ones"]
+    notes = [f"quarter turns of few digits (1.5708) are read as exact ones: {rounded} rpy"]
     notes = [*notes[: min(rounded, 1)], *_coarse_angles(root)]
     source = f"imported from {path.name} (URDF)"
     shapes = {_name(path, link, "link"): _shapes(path, link) for link in root.findall("link")}

@@ -1,0 +1,16 @@
+"""Lists in a sentence."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+
+def joined(names: Sequence[str], last: str = "and") -> str:
+    """`a`, `a and b`, `a, b and c`."""
+    *first, end = names
+    return f"{', '.join(first)} {last} {end}" if first else end
+
+
+def numbered(what: str, places: Sequence[int]) -> str:
+    """`joint 4`, `joints 1, 3 and 4`."""
+    return f"{what}{'s' if len(places) > 1 else ''} {joined([str(place) for place in places])}"
