@@ -52,6 +52,7 @@ from irb2400_ctrl.plausibility import LogProblem
 from irb2400_ctrl.robot import Robot, Uncertainty
 from irb2400_ctrl.system import free_memory
 from irb2400_ctrl.typed import typed
+from irb2400_ctrl.wording import numbered
 
 COMMON_FRICTION = 0.3
 """standard deviation of the friction of all joints together, over the file's: temperature"""
@@ -230,7 +231,7 @@ def _not_understood(robot: Robot, logs: SoundLogs, problem: LogProblem) -> Diagn
         recalibrated={},
         identification=compared,
         validation=None,
-        noise_floor=noise_floor(motion.tau - compared.after, motion.known, motion.step),
+        noise_floor=compared.noise_floor,
         not_excited=(),
         log_problem=problem,
         left_out=logs.left_out,
@@ -268,7 +269,6 @@ def _concluded(
     if validation is not None:
         compared.append(_compared(validation, given, recalibrated, later))
     idle = tuple(int(j) + 1 for j in np.flatnonzero(rms(motion.qd) < LEAST_SPEED))
-    floor = noise_floor(motion.tau - compared[0].after, motion.known, motion.step)
     weak = [*motion.from_measured, *(f"joint {j} is not excited" for j in idle), *motion.remarks]
     weak += [said for effect in fit.effects if (said := effect.mistaken_for)]
     told = numbers(
@@ -289,7 +289,7 @@ def _concluded(
         recalibrated=recalibrated_terms(prior, fit, later),
         identification=compared[0],
         validation=None if validation is None else compared[1],
-        noise_floor=floor,
+        noise_floor=compared[0].noise_floor,
         not_excited=idle,
         weak=tuple(weak),
         numbers=told,
@@ -297,7 +297,7 @@ def _concluded(
     )
     if not found.worse_at_rest:
         return found
-    joints = ", ".join(f"joint {j}" for j in found.worse_at_rest)
+    joints = numbered("joint", found.worse_at_rest)
     return replace(found, weak=(*weak, WORSE_AT_REST.format(joints=joints)))
 
 
@@ -335,4 +335,5 @@ def _compared(motion: PreparedLog, before: Robot, recalibrated: Robot, after: Ro
         found[0],
         found[1],
         found[2],
+        noise_floor(motion.tau - taus[2], motion.known, motion.step),
     )

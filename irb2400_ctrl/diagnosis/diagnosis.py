@@ -48,6 +48,7 @@ class Comparison:
     Args:
         known: samples that count for the errors.
         recalibrated: the robot with new parameters but without the effects.
+        noise_floor: what a perfect model would leave on this log [Nm rms], (n,).
     """
 
     name: str
@@ -60,6 +61,7 @@ class Comparison:
     error_before: Errors
     error_recalibrated: Errors
     error_after: Errors
+    noise_floor: Array
 
     def to_json(self) -> dict[str, Any]:
         """As in findings.json."""
@@ -187,6 +189,7 @@ class Diagnosis(Displayed):
         found: dict[str, Any] = {"identification": self.identification.to_json()}
         if self.validation is not None:
             found["validation"] = self.validation.to_json()
+            found["validation_noise_floor_Nm"] = [float(v) for v in self.validation.noise_floor]
         found["noise_floor_Nm"] = [float(v) for v in self.noise_floor]
         if self.noise is not None:
             found["sample_noise_Nm"] = [float(v) for v in self.noise.floor]

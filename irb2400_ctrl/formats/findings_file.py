@@ -39,7 +39,12 @@ class AllErrorsEntry(Table):
 
     identification: LogErrorsEntry = Field(description="on the log it was found on")
     validation: LogErrorsEntry | None = None
-    noise_floor_Nm: list[NotNegative] = Field(description="no model can go below; of each joint")
+    validation_noise_floor_Nm: list[NotNegative] | None = Field(
+        default=None, description="the same of the validation log"
+    )
+    noise_floor_Nm: list[NotNegative] = Field(
+        description="what a perfect model would leave of each joint"
+    )
     sample_noise_Nm: list[NotNegative] | None = None
 
 

@@ -49,7 +49,7 @@ def log() -> Log:
 
 def test_a_note_names_the_joint(log: Log, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(Diagnosis, "worse_at_rest", (4, 5))
-    said = "more than its friction can hold (joint 4, joint 5)"
+    said = "more than its friction can hold (joints 4 and 5)"
     assert any(said in note for note in diagnose(ROBOT, log).weak)
 
 

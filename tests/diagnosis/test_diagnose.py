@@ -20,6 +20,7 @@ from irb2400_ctrl.diagnosis.findings import _share
 from irb2400_ctrl.diagnosis.preparation.metrics import errors
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.measurement import Log
+from irb2400_ctrl.report.elements.page import show
 from irb2400_ctrl.report.pages.diagnosis_page import lines
 from irb2400_ctrl.robot import Identified, load_robot
 
@@ -80,7 +81,7 @@ def test_what_no_name_says_is_told_where_lesser_names_fall_for_it(
     found = diagnose(load_robot("irb2400"), Log(log.time, log.q, log.tau, q_ref=log.q_ref))
     assert found.nameless == 4
     assert found.verdict == "unexplained"
-    assert any("joint 4: something there says more than twice" in said for said in found.weak)
+    assert any("joint 4: what is left there without a name weighs" in said for said in found.weak)
 
 
 def _with_misfit(found: Diagnosis, misfit: Array) -> Diagnosis:
@@ -175,6 +176,13 @@ def test_findings_file_keeps_the_contract(tmp_path: Path) -> None:
                 len(error[key]) == 6 for key in ("mae_Nm", "rmse_Nm", "rmse_over_mean_percent")
             )
     assert len(content["error"]["noise_floor_Nm"]) == 6
+    # of each log its own: beside the other log's it was above what was left
+    assert found.validation is not None
+    floors = [content["error"][key] for key in ("noise_floor_Nm", "validation_noise_floor_Nm")]
+    assert floors[0] == list(found.noise_floor)
+    assert floors[1] == list(found.validation.noise_floor) != floors[0]
+    last = lines(found)[-1].split()
+    assert last[2:] == [show(v) for v in floors[1]]
     again = load_robot(toml)
     assert again.effects == found.robot.effects
     np.testing.assert_allclose(again.friction, found.robot.friction)

@@ -17,7 +17,13 @@ from irb2400_ctrl.effects import LIBRARY
 from irb2400_ctrl.effects.base import OPEN_END_S
 from irb2400_ctrl.identification.reference_error import has_changed, simplest, worse_joints
 from irb2400_ctrl.report.elements.page import Page
-from irb2400_ctrl.report.pages.diagnosis_page import VERDICTS, _add_findings, verdict_sentence
+from irb2400_ctrl.report.pages.diagnosis_page import (
+    VERDICTS,
+    _add_findings,
+    _answer,
+    _why,
+    verdict_sentence,
+)
 from irb2400_ctrl.report.pages.diagnosis_tables import parameter_rows
 from irb2400_ctrl.report.pages.three_lists import findings_of, list_lines, number_lines, numbers_of
 
@@ -275,3 +281,34 @@ def test_a_changed_effect_and_a_new_one_of_its_kind_are_two_entries() -> None:
     ]
     both = findings_of(diagnosis(old, new), "special")
     assert [e.where for e in both] == ["joints 2 and 4"]
+
+
+@pytest.mark.parametrize(
+    ("verdict", "said"),
+    [
+        ("explained", "and it has a name: gear_ripple on joint 1 (88 % sure)."),
+        ("unexplained", "effect of the library makes. Found: gear_ripple on joint 1 (88 % sure)."),
+    ],
+)
+def test_names_follow_the_verdict(verdict: str, said: str) -> None:
+    """ "It has a name. gear_ripple on joint 1" was read as two sentences."""
+    found = diagnosis(finding("gear_ripple", 1, 0.1))
+    found.verdict = verdict
+    found.change = False
+    found.log_problem = found.worse_at_rest = None
+    assert _answer(found).endswith(said)
+
+
+def test_a_torque_without_a_name_is_told_once() -> None:
+    """Joint 2 had 6.23 Nm more than noise, and 7.43 Nm unexplained."""
+    noise = SimpleNamespace(left=np.full(6, 5.0), floor=np.ones(6))
+    error = SimpleNamespace(error_after=SimpleNamespace(rmse=np.full(6, 5.0)))
+    found = diagnosis(finding("gear_ripple", 1, 0.1))
+    found.log_problem = found.validation = None
+    found.noise = noise
+    found.noise_floor = np.ones(6)
+    found.identification = error
+    found.left_over = ()
+    found.beyond_noise = (2, 3)
+    found.unexplained = (SimpleNamespace(joint=2),)
+    assert [line.split(":")[0] for line in _why(found)] == ["Joint 3"]

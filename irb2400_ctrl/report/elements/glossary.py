@@ -6,10 +6,10 @@ from __future__ import annotations
 import re
 
 WORDS = {
-    "confidence": "How often a finding said like this is right: of all that were said with 0.9 on "
-    "arms whose flaws were known, nine in ten were.",
-    "noise floor": "Scatter of the measured torque itself [Nm rms], taken from samples next to "
-    "each other. No model can predict a torque better than this.",
+    "confidence": "How often a finding said like this is right: of all that were said with 90 % "
+    "on arms whose flaws were known, nine in ten were.",
+    "noise floor": "Scatter of the measured torque itself [Nm rms], taken from what changes faster "
+    "than the error of a model does. What a perfect model would leave.",
     "recalibrated": "With new values for what the model already has (masses, friction, offsets), "
     "and nothing new in it.",
     "eqs. 75-77": "The paper's three errors of a torque: MAE, the mean of the absolute error [Nm]; "
@@ -21,7 +21,8 @@ WORDS = {
     "rms": "Root of the mean square.",
     "TCP": "Tool centre point: the tip of the tool.",
     "contour error": "Distance of the tip from the path, wherever on the path it should be by now.",
-    "held-out gain": "How much worse the other motion is predicted when this finding is left out.",
+    "held-out error": "Rms error on stretches of the log that the numbers were not taken from: "
+    "with this finding against without it.",
     "standard error": "One standard deviation of the number, as far as the log tells.",
     "discrepancy": "How far the arm's own curve is from the textbook's, along fixed shapes: almost "
     "zero where the law is the effect's.",

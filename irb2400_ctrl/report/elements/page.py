@@ -15,6 +15,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from functools import cache
+from itertools import zip_longest
 from math import floor, isfinite, log10
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
@@ -121,7 +122,12 @@ class Page:
         # in a narrow column a number and its error stay together
         beside = "\N{NO-BREAK SPACE}±\N{NO-BREAK SPACE}"
         texts = [[show(value).replace(" ± ", beside) for value in row] for row in rows]
-        self._add("table", caption=caption, head=list(head), rows=texts, folded=folded)
+        words = [_in_words(column) for column in zip_longest(*texts, fillvalue="")] or [
+            False
+        ] * len(head)
+        self._add(
+            "table", caption=caption, head=list(head), rows=texts, folded=folded, words_in=words
+        )
 
     def figure(self, figure: Figure, caption: str, zoomable: bool = False) -> None:
         """One wide figure as SVG.
@@ -265,6 +271,12 @@ def sentence(text: str) -> str:
 def capital(text: str) -> str:
     """With a capital."""
     return text[:1].upper() + text[1:]
+
+
+def _in_words(column: Sequence[str]) -> bool:
+    """Whether a column of a table is read from the left: every entry begins with a letter."""
+    told = [text for text in column if text not in ("", "-")]
+    return bool(told) and all(text[0].isalpha() for text in told)
 
 
 def show(value: object) -> str:

@@ -9,7 +9,7 @@ from typing import Literal
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullFormatter
+from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullFormatter, ScalarFormatter
 
 from irb2400_ctrl.arrays import Array
 
@@ -35,14 +35,28 @@ class Line:
     width: float = 1.0
 
 
+class _Thousands(ScalarFormatter):
+    """`250k` from 100000 on: the margin of a small plot holds no more."""
+
+    def set_locs(self, locs: list[float]) -> None:
+        """Ticks of the axis."""
+        super().set_locs(locs)
+        self._large = bool(np.abs(locs).max(initial=0.0) >= 1e5)
+
+    def __call__(self, x: float, pos: int | None = None) -> str:
+        """The label of a tick."""
+        return f"{x / 1e3:g}k" if self._large else str(super().__call__(x, pos))
+
+
 def small(legend: bool = False) -> tuple[Figure, Axes]:
     """One plot that is read on a phone too. Margins stated: working them out from the labels takes
     longer than drawing."""
     figure = Figure(figsize=(4.6, 2.5 if legend else 2.2))
     figure.subplots_adjust(left=0.19, right=0.96, top=0.86 if legend else 0.95, bottom=0.2)
     axis = figure.subplots()
-    axis.grid(lw=0.6)
+    _behind(axis)
     axis.xaxis.set_major_locator(MaxNLocator(6, steps=[1, 2, 5, 10]))
+    axis.yaxis.set_major_formatter(_Thousands())
     return figure, axis
 
 
@@ -50,8 +64,14 @@ def wide(height: float) -> tuple[Figure, Axes]:
     """A plot as wide as the page."""
     figure = Figure(figsize=(7.0, height), layout="constrained")
     axis = figure.subplots()
-    axis.grid(lw=0.6)
+    _behind(axis)
     return figure, axis
+
+
+def _behind(axis: Axes) -> None:
+    """A grid that crosses neither bars nor curves."""
+    axis.grid(lw=0.6)
+    axis.set_axisbelow(True)
 
 
 def over_time(
@@ -79,7 +99,8 @@ def over_time(
         if np.isfinite(limit):
             axis.axhline(limit, color="tab:red", ls="--", lw=0.9)
     if floor is not None:
-        axis.set_ylim(bottom=floor)
+        top = axis.get_ylim()[1]
+        axis.set_ylim(floor, top + 0.05 * (top - floor))
     axis.set(xlabel="time [s]", ylabel=label, xlim=(time[0], time[-1]))
     if named:
         legend_above(axis)

@@ -9,8 +9,9 @@ from matplotlib.patches import Patch
 
 from irb2400_ctrl.planners.redundancy.rotation_map import LIMITS, RotationMap
 
-COLOURS = ("none", "0.85", "0.6", "tab:red", "black", "tab:purple", "tab:orange")
-"""of `LIMITS`; where nothing is met the margin shows"""
+COLOURS = ("none", "0.85", "0.61", "firebrick", "0.1", "mediumorchid", "darkorange")
+"""of `LIMITS`; where nothing is met the margin shows. None is of those that a page changes: the map
+is an image, whose colours stay, and its legend is not"""
 
 
 def rotation_figure(found: RotationMap) -> Figure:

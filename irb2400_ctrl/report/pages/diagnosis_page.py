@@ -10,7 +10,7 @@ import numpy as np
 from irb2400_ctrl.diagnosis import Comparison, Diagnosis, Finding
 from irb2400_ctrl.diagnosis.numbers import off_bodies
 from irb2400_ctrl.measurement import Log
-from irb2400_ctrl.report.elements.page import Grade, Page, capital, sentence
+from irb2400_ctrl.report.elements.page import Grade, Page, capital, sentence, show
 from irb2400_ctrl.report.figures.diagnosis_figures import (
     closer_figures,
     curve_figure,
@@ -24,6 +24,7 @@ from irb2400_ctrl.report.pages.diagnosis_tables import (
     log_rows,
     parameter_rows,
     recalibration_rows,
+    worse_elsewhere,
 )
 from irb2400_ctrl.report.pages.three_lists import (
     LISTS,
@@ -103,16 +104,20 @@ def _answer(diagnosis: Diagnosis) -> str:
         for entry in findings_of(diagnosis, which)
     ]
     more = f" and {len(named) - 3} more" if len(named) > 3 else ""
-    told = f" {', '.join(named[:3])}{more}." if named else ""
-    return verdict_sentence(diagnosis) + told
+    said = verdict_sentence(diagnosis)
+    if not named:
+        return said
+    begun = f"{said.removesuffix('.')}: " if diagnosis.verdict == "explained" else f"{said} Found: "
+    return f"{begun}{', '.join(named[:3])}{more}."
 
 
 def facts(diagnosis: Diagnosis) -> list[tuple[str, str]]:
     """Rms error of each joint's torque before and after."""
     compared = diagnosis.validation or diagnosis.identification
     pairs = zip(compared.error_before.rmse, compared.error_after.rmse, strict=True)
+    tried = diagnosis.log_problem is None
     return [
-        (f"joint {j}, error [Nm]", f"{was:.2f} → {now:.2f}")
+        (f"joint {j}, error [Nm]", f"{show(was)} → {show(now)}" if tried else show(was))
         for j, (was, now) in enumerate(pairs, start=1)
     ]
 
@@ -133,9 +138,8 @@ def add_diagnosis(
     page.heading("Error before and after")
     for comparison in (diagnosis.identification, diagnosis.validation):
         if comparison is not None:
-            page.table(
-                _caption(comparison, diagnosis), *error_table(comparison, diagnosis.noise_floor)
-            )
+            tried = diagnosis.log_problem is None
+            page.table(_caption(comparison, diagnosis), *error_table(comparison, tried))
     if len(diagnosis.logs) > 1:
         page.table("RMSE of each log before and after [Nm]", *log_rows(diagnosis))
     _add_findings(page, diagnosis, robot)
@@ -148,7 +152,10 @@ def add_diagnosis(
     rows = recalibration_rows(diagnosis.recalibrated, diagnosis.given)
     if rows:
         page.heading("Recalibrated")
-        page.text("Terms the model already has, with the values this arm needs.")
+        page.text(
+            "Terms the model already has, with the values this arm needs; those of the bodies "
+            "stand in robot.toml."
+        )
         page.table(
             "Old and new values",
             ("term", *(f"joint {j + 1}" for j in range(diagnosis.given.n))),
@@ -190,7 +197,7 @@ def _add_joints(page: Page, diagnosis: Diagnosis, log: Log | None) -> None:
         page.figure(
             torque_figure(compared, joint),
             f"Joint {joint} on {Path(compared.name).name}, where the model as given is furthest "
-            "off. Where a joint stands or turns round its dry friction is not known: the models "
+            "off. Where a joint stands or turns round, its dry friction is not known: the models "
             "have gaps there, and such samples do not count.",
         )
         page.figures(
@@ -247,7 +254,7 @@ def _add_lists(page: Page, diagnosis: Diagnosis) -> None:
             for line in body_lines(entry):
                 page.text(f"With the {line}.")
             if entry.lookalikes and entry.splits:
-                page.text(f"It could be {entry.lookalikes}. To tell them apart: {entry.splits}.")
+                page.text(f"It could also be {entry.could_be}. To tell them apart: {entry.splits}.")
         for line in number_lines(numbers):
             page.finding(sentence(line))
         if entries:
@@ -262,20 +269,22 @@ def _why(diagnosis: Diagnosis) -> list[str]:
     noise = diagnosis.noise
     # what is said of a joint already is not said again
     told = diagnosis.left_over if diagnosis.findings else ()
-    known = bool(diagnosis.unexplained) and not diagnosis.findings
+    unexplained = [rest.joint for rest in diagnosis.unexplained]
+    known = bool(unexplained) and not diagnosis.findings
     found = [
         f"Joint {j}: {noise.left[j - 1]:.2f} Nm rms are left where neighbouring samples disagree "
         f"by {noise.floor[j - 1]:.2f}: more than noise."
         for j in diagnosis.beyond_noise
-        if noise is not None and j not in told and not known
+        if noise is not None and j not in (*told, *unexplained) and not known
     ]
     bodies = off_bodies(diagnosis.numbers)
     found += [bodies] if bodies else []
-    return found + [
+    found += [
         f"Joint {j}: {diagnosis.mostly_left[j - 1]:.2f} Nm rms are left, noise is "
         f"{diagnosis.least_floor[j - 1]:.2f}"
         for j in told
     ]
+    return found + worse_elsewhere(diagnosis)
 
 
 def finding_title(finding: Finding) -> str:
@@ -291,7 +300,7 @@ def lines(diagnosis: Diagnosis) -> list[str]:
     found += [f"  {line}" for line in _why(diagnosis)]
     found += list_lines(diagnosis)
     found += [
-        f"  joint {u.joint}: {u.rmse:.2f} Nm rms unexplained, depends on {', '.join(u.depends_on)}"
+        f"unexplained: joint {u.joint}, {u.rmse:.2f} Nm rms, depends on {', '.join(u.depends_on)}"
         for u in diagnosis.unexplained
     ]
     found += [f"note: {remark}" for remark in diagnosis.weak]
@@ -301,13 +310,16 @@ def lines(diagnosis: Diagnosis) -> list[str]:
     compared = diagnosis.validation or diagnosis.identification
     joints = f"joints 1 to {diagnosis.given.n}" if diagnosis.given.n > 1 else "joint 1"
     found.append(f"RMSE on {Path(compared.name).name} [Nm], {joints}:")
-    for name, values in (
-        ("before", compared.error_before.rmse),
-        ("recalibrated", compared.error_recalibrated.rmse),
-        ("after", compared.error_after.rmse),
-        ("noise floor", diagnosis.noise_floor),
-    ):
-        found.append(f"  {name:<13}" + " ".join(f"{v:8.2f}" for v in values))
+    told = {
+        "before": compared.error_before.rmse,
+        "recalibrated": compared.error_recalibrated.rmse,
+        "after": compared.error_after.rmse,
+        "noise floor": compared.noise_floor,
+    }
+    if diagnosis.log_problem is not None:  # nothing was tried: there is no after
+        told = {"as given": compared.error_before.rmse}
+    for name, values in told.items():
+        found.append(f"  {name:<13}" + " ".join(f"{show(v):>8}" for v in values))
     return found
 
 

@@ -16,8 +16,16 @@ from irb2400_ctrl.robot import Robot
 NO_ERROR = 1e3
 """standard error over a number, or over one, that says that the log does not show it"""
 
-UNITS = {"coulomb": "Nm", "viscous": "Nm s/rad", "offset": "Nm", "rotor": "kg m2"}
+UNITS = {
+    "coulomb": "Nm",
+    "viscous": "Nm s/rad",
+    "offset": "Nm",
+    "rotor": "kg m2",
+    "link_mass": "kg",
+}
 """of recalibrated terms"""
+WORSE = 1.1
+"""times the error as given, or the noise, above which another motion is predicted worse"""
 
 
 def log_rows(diagnosis: Diagnosis) -> tuple[Sequence[str], list[list[object]]]:
@@ -32,24 +40,26 @@ def log_rows(diagnosis: Diagnosis) -> tuple[Sequence[str], list[list[object]]]:
 
 
 def error_table(
-    comparison: Comparison, floor: np.ndarray
+    comparison: Comparison, tried: bool = True
 ) -> tuple[Sequence[str], list[list[object]]]:
     """Head and rows of eqs. 75-77, one row per joint; RMSE also after recalibration alone, and the
-    noise floor."""
+    noise floor; where nothing was tried, of the robot as given alone."""
     before = comparison.error_before
     recalibrated = comparison.error_recalibrated
     after = comparison.error_after
     columns = {
-        "joint": [str(j + 1) for j in range(len(floor))],
+        "joint": [str(j + 1) for j in range(len(before.rmse))],
         "MAE before": before.mae,
         "MAE after": after.mae,
         "RMSE before": before.rmse,
         "RMSE recali\xadbrated": recalibrated.rmse,
         "RMSE after": after.rmse,
-        "noise floor": floor,
+        "noise floor": comparison.noise_floor,
         "RMSE/AVG before %": before.rmse_over_mean_percent,
         "RMSE/AVG after %": after.rmse_over_mean_percent,
     }
+    if not tried:
+        columns = {name: columns[name] for name in columns if "before" in name or name == "joint"}
     rows: list[list[object]] = [list(row) for row in zip(*columns.values(), strict=True)]
     return tuple(columns), rows
 
@@ -89,8 +99,8 @@ def window(start: float, stop: float, unit: str = "") -> str:
 
 
 def recalibration_rows(recalibrated: Mapping[str, Any], given: Robot) -> list[list[object]]:
-    """One row per term with a value for each joint, below the one it takes the place of (mass data
-    of the links stand in robot.toml)."""
+    """One row per term with a value for each joint, below the one it takes the place of (other
+    mass data, and all of the tool, stand in robot.toml)."""
     friction = np.where(given.friction_known, given.friction, np.nan)
     before = {"coulomb": friction[:, 1], "viscous": friction[:, 2]}
     rows: list[list[object]] = []
@@ -100,10 +110,25 @@ def recalibration_rows(recalibrated: Mapping[str, Any], given: Robot) -> list[li
             if isinstance(values, list | tuple | np.ndarray)
             else np.empty((0, 0))
         )
-        if flat.ndim == 1 and flat.size:
+        if flat.ndim == 1 and flat.size and not term.startswith("tool_"):
             unit = UNITS.get(term)
             name = f"{term} [{unit}]" if unit else term
             if term in before:
                 rows.append([f"{name}, as given", *(float(v) for v in before[term])])
             rows.append([name, *(float(v) for v in flat)])
     return rows
+
+
+def worse_elsewhere(diagnosis: Diagnosis) -> list[str]:
+    """Joints whose other motion what was found makes worse."""
+    compared = diagnosis.validation
+    if compared is None:
+        return []
+    before = compared.error_before.rmse
+    after = compared.error_after.rmse
+    worse = after > WORSE * np.maximum(before, compared.noise_floor)
+    return [
+        f"Joint {j + 1}: on {Path(compared.name).name} the error grows from {before[j]:.2f} to "
+        f"{after[j]:.2f} Nm rms: what was found on this log does not hold there."
+        for j in np.flatnonzero(worse)
+    ]

@@ -69,7 +69,7 @@ def _facts(job: MainJob) -> list[tuple[str, str]]:
     equal = sum(v.passed for v in job.packages.values())
     return [
         (f"joint {joint + 1}, RMSE", f"{was:.2f} → {now:.2f} Nm"),
-        ("its noise floor", f"{job.diagnosis.noise_floor[joint]:.2f} Nm"),
+        ("its noise floor", f"{compared.noise_floor[joint]:.2f} Nm"),
         ("toolpath", f"{plan['duration_s']:.1f} s"),
         ("torque, at most", of_limit(plan["max_torque_ratio"])),
         ("C packages equal to the model", f"{equal} of {len(job.packages)}"),
@@ -162,7 +162,7 @@ def table(job: MainJob) -> str:
     for name, values in (
         ("before", compared.error_before.rmse),
         ("after", compared.error_after.rmse),
-        ("noise floor", job.diagnosis.noise_floor),
+        ("noise floor", compared.noise_floor),
     ):
         found.append(
             f"          RMSE {name:<12} "

@@ -15,6 +15,7 @@ from irb2400_ctrl.diagnosis import Diagnosis, Finding, Number
 from irb2400_ctrl.diagnosis.comparison.acceptance import STANDARD_ERRORS
 from irb2400_ctrl.report.elements.page import sentence, show, with_error
 from irb2400_ctrl.report.pages.diagnosis_tables import window
+from irb2400_ctrl.wording import joined, numbered
 
 LISTS = {
     "changed": (
@@ -67,7 +68,7 @@ class Entry:
     def where(self) -> str:
         """`joint 4`, `joints 1, 3 and 4`, or the whole arm."""
         joints = sorted({f.effect.joint for f in self.findings if f.effect.joint is not None})
-        return "whole arm" if not joints else _joints(joints)
+        return "whole arm" if not joints else numbered("joint", joints)
 
     @property
     def sentence(self) -> str:
@@ -77,7 +78,9 @@ class Entry:
     @property
     def size(self) -> str:
         """Of each joint, in the order of `where`: the number with its error."""
-        return "; ".join(map(_size, sorted(self.findings, key=lambda f: f.effect.joint or 0)))
+        sizes = list(map(_size, sorted(self.findings, key=lambda f: f.effect.joint or 0)))
+        first = sizes[0].partition(" ")[0] + " "
+        return "; ".join([sizes[0], *(size.removeprefix(first) for size in sizes[1:])])
 
     @property
     def share(self) -> str:
@@ -105,6 +108,11 @@ class Entry:
     def lookalikes(self) -> str:
         """Kinds that the log cannot exclude."""
         return ", ".join(dict.fromkeys(a for f in self.findings for a in f.alternatives))
+
+    @property
+    def could_be(self) -> str:
+        """The same in a sentence: `torque_offset or balancer`."""
+        return joined(self.lookalikes.split(", "), "or")
 
     @property
     def splits(self) -> str:
@@ -199,8 +207,8 @@ def _places(places: Sequence[str]) -> str:
     joints = sorted(int(p.split()[1]) for p in places if p.startswith("joint"))
     links = sorted(int(p.split()[1]) for p in places if p.startswith("link"))
     others = sorted(p for p in places if not p.startswith(("joint", "link")))
-    numbered = [_numbered(*each) for each in (("joint", joints), ("link", links)) if each[1]]
-    return " and ".join([*numbered, *others])
+    each_kind = [numbered(*each) for each in (("joint", joints), ("link", links)) if each[1]]
+    return " and ".join([*each_kind, *others])
 
 
 def list_lines(diagnosis: Diagnosis) -> list[str]:
@@ -234,11 +242,11 @@ def body_lines(entry: Entry) -> list[str]:
             ("arm's bodies uncertain", finding.body.robust),
             ("arm's bodies taken as true", finding.body.given_bodies),
         ):
-            com = ", ".join(f"{1e3 * v:.0f}" for v in body.com)
-            error = ", ".join(f"{1e3 * v:.0f}" for v in body.errors[1:])
-            found.append(
-                f"{name}: {body.mass:.2f} ± {body.errors[0]:.2f} kg at ({com}) ± ({error}) mm"
+            mass = with_error(body.mass, body.errors[0])
+            centre = ", ".join(
+                with_error(1e3 * v, 1e3 * e) for v, e in zip(body.com, body.errors[1:], strict=True)
             )
+            found.append(f"{name}: {mass} kg at ({centre}) mm")
     return found
 
 
@@ -297,13 +305,3 @@ def _size(finding: Finding) -> str:
 
 def _without_axis(name: str) -> str:
     return re.sub("_[xyz]_", "_", name)
-
-
-def _joints(joints: Sequence[int]) -> str:
-    return _numbered("joint", joints)
-
-
-def _numbered(what: str, places: Sequence[int]) -> str:
-    if len(places) == 1:
-        return f"{what} {places[0]}"
-    return f"{what}s {', '.join(str(j) for j in places[:-1])} and {places[-1]}"
