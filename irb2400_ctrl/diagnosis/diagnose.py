@@ -269,7 +269,8 @@ def _concluded(
     if validation is not None:
         compared.append(_compared(validation, given, recalibrated, later))
     idle = tuple(int(j) + 1 for j in np.flatnonzero(rms(motion.qd) < LEAST_SPEED))
-    weak = [*motion.from_measured, *(f"joint {j} is not excited" for j in idle), *motion.remarks]
+    slow = [f"too slow in this log for much to be said: {numbered('joint', idle)}"] if idle else []
+    weak = [*motion.from_measured, *slow, *motion.remarks]
     weak += [said for effect in fit.effects if (said := effect.mistaken_for)]
     told = numbers(
         prior,

@@ -15,6 +15,7 @@ from irb2400_ctrl.report.elements.inline_svg import COLOURS as CHANGED
 from irb2400_ctrl.report.elements.page import Page
 from irb2400_ctrl.report.elements.plots import Line, over_time, wide
 from irb2400_ctrl.report.figures.rotation_figure import COLOURS
+from irb2400_ctrl.report.pages.diagnosis_page import _joints_to_show
 from irb2400_ctrl.report.pages.diagnosis_tables import (
     error_table,
     recalibration_rows,
@@ -54,6 +55,7 @@ def compared(before: tuple[float, ...], after: tuple[float, ...]) -> Any:
         error_recalibrated=errors(*before),
         error_after=errors(*after),
         noise_floor=np.full(len(before), 1.2),
+        known=np.array([[True, False]]),
     )
 
 
@@ -102,6 +104,17 @@ def test_where_nothing_was_tried_nothing_stands_after() -> None:
     head, rows = error_table(compared((3.0, 1.0), (3.0, 1.0)), tried=False)
     assert list(head) == ["joint", "MAE before", "RMSE before", "RMSE/AVG before %"]
     assert rows[0] == ["1", 3.0, 3.0, 3.0]
+
+
+def test_a_resting_joint_has_no_floor_and_no_empty_figures() -> None:
+    """Its floor was 0, and its residual, parity and spectrum were shown with nothing in them."""
+    _, rows = error_table(compared((3.0, 9.0), (3.0, 9.0)))
+    assert rows[0][6] == 1.2
+    assert np.isnan(rows[1][6])
+    found: Any = SimpleNamespace(
+        findings=(), unexplained=(), not_excited=(2,), validation=compared((3.0, 9.0), (3.0, 9.0))
+    )
+    assert _joints_to_show(found) == [1]
 
 
 def test_columns_of_words_are_read_from_the_left() -> None:

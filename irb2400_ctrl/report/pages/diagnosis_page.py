@@ -21,6 +21,7 @@ from irb2400_ctrl.report.figures.diagnosis_figures import (
 from irb2400_ctrl.report.figures.residual_view import residual_view
 from irb2400_ctrl.report.pages.diagnosis_tables import (
     error_table,
+    floor_shown,
     log_rows,
     parameter_rows,
     recalibration_rows,
@@ -229,8 +230,6 @@ def _add_remarks(page: Page, diagnosis: Diagnosis) -> None:
             f"Joint {rest.joint}: {rest.rmse:.2f} Nm rms are unexplained; they depend on "
             f"{', '.join(rest.depends_on)} ({rest.description})."
         )
-    for joint in diagnosis.not_excited:
-        page.text(f"Joint {joint} moves too slowly in this log for much to be said about it.")
     for remark in diagnosis.weak:
         page.text(sentence(remark))
     for one in diagnosis.left_out:
@@ -314,7 +313,7 @@ def lines(diagnosis: Diagnosis) -> list[str]:
         "before": compared.error_before.rmse,
         "recalibrated": compared.error_recalibrated.rmse,
         "after": compared.error_after.rmse,
-        "noise floor": compared.noise_floor,
+        "noise floor": floor_shown(compared),
     }
     if diagnosis.log_problem is not None:  # nothing was tried: there is no after
         told = {"as given": compared.error_before.rmse}
@@ -337,5 +336,7 @@ def _joints_to_show(diagnosis: Diagnosis) -> list[int]:
     joints = [f.curve.joint for f in diagnosis.findings] + [u.joint for u in diagnosis.unexplained]
     if not joints:
         compared = diagnosis.validation or diagnosis.identification
-        joints = [int(np.argmax(compared.error_before.rmse_over_mean_percent)) + 1]
+        share = compared.error_before.rmse_over_mean_percent.copy()
+        share[[j - 1 for j in diagnosis.not_excited]] = -1.0  # a resting joint has nothing to draw
+        joints = [int(np.argmax(share)) + 1]
     return list(dict.fromkeys(joints))[:4]

@@ -54,7 +54,7 @@ def error_table(
         "RMSE before": before.rmse,
         "RMSE recali\xadbrated": recalibrated.rmse,
         "RMSE after": after.rmse,
-        "noise floor": comparison.noise_floor,
+        "noise floor": floor_shown(comparison),
         "RMSE/AVG before %": before.rmse_over_mean_percent,
         "RMSE/AVG after %": after.rmse_over_mean_percent,
     }
@@ -62,6 +62,11 @@ def error_table(
         columns = {name: columns[name] for name in columns if "before" in name or name == "joint"}
     rows: list[list[object]] = [list(row) for row in zip(*columns.values(), strict=True)]
     return tuple(columns), rows
+
+
+def floor_shown(comparison: Comparison) -> np.ndarray:
+    """Noise floor of each joint [Nm]; NaN of one that rests, where no sample counts."""
+    return np.where(comparison.known.any(axis=0), comparison.noise_floor, np.nan)
 
 
 def parameter_rows(finding: Finding) -> list[list[object]]:
