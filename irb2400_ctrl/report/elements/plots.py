@@ -45,7 +45,9 @@ class _Thousands(ScalarFormatter):
 
     def __call__(self, x: float, pos: int | None = None) -> str:
         """The label of a tick."""
-        return f"{x / 1e3:g}k" if self._large else str(super().__call__(x, pos))
+        if self._large and x:
+            return f"{x / 1e3:g}k".replace("-", "\N{MINUS SIGN}")
+        return str(super().__call__(x, pos))
 
 
 def small(legend: bool = False) -> tuple[Figure, Axes]:
