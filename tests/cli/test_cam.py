@@ -43,7 +43,7 @@ def test_show_prints_operations_and_what_is_not_understood(file: Path) -> None:
     assert done.returncode == 0, done.stderr
     assert "part.nc: G-code, 2 operations" in done.stdout
     assert "1: Face it (lines 5 to 7)" in done.stdout
-    assert "feed 20 … 20 mm/s" in done.stdout
+    assert "feed 20 mm/s" in done.stdout
     assert "extent [mm] x 0.000 … 40.000" in done.stdout
     assert "not understood (irb2400 plan refuses the file):" in done.stdout
     assert "line 13: G41 is the offset by the tool's radius" in done.stdout
