@@ -94,7 +94,7 @@ def next_of(name: Any, laws: Any, refused: Any) -> str:
         alternatives=lambda refused: every,
         accepts=lambda one: True,
         lags_on_a_spring=lambda one, every: False,
-        slow_ripple=lambda law: [],
+        passing=lambda law: [],
         ranked=[*(law for law, _ in laws), name],
     )
     threshold = SimpleNamespace(
@@ -185,7 +185,9 @@ def test_where_much_is_not_understood_a_little_shows_nothing(
     assert fit.of == said
     assert selection.nameless == nameless
     remarks = Selection.remarks.fget(selection)  # type: ignore[attr-defined]
-    assert [f"joint {nameless}: something there" in one for one in remarks] == [True] * len(remarks)
+    assert [f"joint {nameless}: what is left there" in one for one in remarks] == [True] * len(
+        remarks
+    )
     assert len(remarks) == (nameless is not None)
     # what unseen rows did not bear out is there all the same
     assert seen == [()]

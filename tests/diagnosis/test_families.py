@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 from diagnosis.plain_motion import BASES, motion
 
-from irb2400_ctrl.diagnosis.comparison.grid import promising, step_at
+from irb2400_ctrl.diagnosis.comparison.grid import promising_places, step_at
+from irb2400_ctrl.diagnosis.comparison.passing import slow_ripple
 from irb2400_ctrl.diagnosis.comparison.scan import Scan
 from irb2400_ctrl.diagnosis.estimation.candidate import Candidate
 from irb2400_ctrl.diagnosis.estimation.evidence import Problem, Score
@@ -44,8 +45,8 @@ def test_the_distance_to_the_nearer_neighbour() -> None:
 
 def test_the_best_places_then_other_peaks() -> None:
     gains = np.array([8.0, 9.0, 7.0, 1.0, 2.0, 1.0, 5.0, 4.0, 4.5, 0.0, 1.0])
-    assert promising(gains) == [1, 0, 6, 8, 4]
-    assert promising(gains[:2]) == [1, 0]
+    assert promising_places(gains) == [1, 0, 6, 8, 4]
+    assert promising_places(gains[:2]) == [1, 0]
 
 
 @pytest.mark.parametrize(
@@ -94,11 +95,11 @@ def looked_through(kind: str, gains: Any, possible: set[int]) -> tuple[list[int]
 
     made = scan(
         laws={(kind, 6): (grid, ())},
-        _promising=lambda *asked: promising(GAINS),
+        promising=lambda *asked: promising_places(GAINS),
         member=lambda *asked: (None,),
         forms=lambda *asked: (Nested(np.eye(1), ()),),
         family_penalty=lambda *asked: 0.0,
-        _in_form=tried,
+        in_form=tried,
     )
     found = made._library(None, kind, 6)
     return seen, [one.place for one in found]
@@ -188,7 +189,7 @@ def test_a_change_of_a_number_may_follow_the_law_of_the_base(
 
     made = scan(member=lambda *place: (law, extra))
     problem = SimpleNamespace(score=score)
-    found = made._in_form(problem, (kind, 2), {}, Nested(np.eye(1), ()), 0.0)
+    found = made.in_form(problem, (kind, 2), {}, Nested(np.eye(1), ()), 0.0)
     assert found.score.gain == pytest.approx(gain)
     assert (found.discrepancy is None) == (gain == pytest.approx(exact - np.log(2.0)))
 
@@ -235,7 +236,8 @@ def test_a_slow_ripple_is_told_by_its_order_and_size() -> None:
     y[:, 2] = 3.0 * np.sin(angle) + 4.0 * np.cos(angle)
     rows = m.filtered(y)
     noise = NoiseModel(m.row_known, ~m.row_known, np.zeros(6), 0.04, least=0.1).white(rows)
-    found = real.slow_ripple(Problem(rows, np.full((*rows.shape, 1), 1e-3), noise), 3)
+    problem = Problem(rows, np.full((*rows.shape, 1), 1e-3), noise)
+    found = slow_ripple(real, problem, 3)
     (ripple,) = found.effects
     assert (ripple.kind, ripple.joint) == ("gear_ripple", 3)
     assert ripple.nonlinear == {"order": 2.0}

@@ -41,7 +41,7 @@ def beside(chosen: Any, on: Any = None) -> Any:
         on=on,
         lags_on_a_spring=lambda one, every: False,
         far_ahead=lambda name: [],
-        slow_ripple=lambda law: [],
+        passing=lambda law: [],
     )
 
 
@@ -121,7 +121,7 @@ def next_step(
     *,
     accepted: Any = None,
     least: float = 22.0,
-    slow_ripple: Any = (),
+    passing: Any = (),
     **given: Any,
 ) -> tuple[Any, list[str]]:
     """What `next_step` makes of these alternatives over a base of evidence zero; and what was
@@ -131,7 +131,7 @@ def next_step(
     ground.comparison.gain = lambda one: one.evidence
     ground.comparison.polished = lambda one: polished.append(one.candidate.kind) or one
     ground.alternatives = lambda refused: list(offered)
-    ground.slow_ripple = lambda law: list(slow_ripple)
+    ground.passing = lambda law: list(passing)
     ground.accepts = lambda one: accepted is None or one.candidate.kind in accepted
     threshold = SimpleNamespace(
         said_by_less=lambda c, one, every: one.candidate.kind == "said by less",
@@ -153,7 +153,7 @@ def test_the_next_step_is_the_best_that_counts() -> None:
     assert next_step([worse]) == (None, [])
     # beside a law of the angle a slow ripple stands as another one
     slow = of(explanation("slow ripple"), 70.0)
-    step, _ = next_step([good], slow_ripple=[slow])
+    step, _ = next_step([good], passing=[slow])
     assert step.alternatives == (good, slow)
     assert next_step([small], accepted=set()) == (None, [])
 

@@ -16,7 +16,7 @@ that swings the wrong way fits better than the true one while friction beside it
 of a transmission always: its own joint alone ranks a resonance that all others contradict first"""
 
 
-def promising(gains: Array) -> list[int]:
+def promising_places(gains: Array) -> list[int]:
     """Places worth a closer look, the best first, then other peaks along the grid.
 
     Args:

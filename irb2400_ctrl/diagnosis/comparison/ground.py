@@ -13,6 +13,7 @@ from irb2400_ctrl.diagnosis.comparison.at_reversals import AtReversals
 from irb2400_ctrl.diagnosis.comparison.comparison import Alternative, Comparison
 from irb2400_ctrl.diagnosis.comparison.criteria import Threshold
 from irb2400_ctrl.diagnosis.comparison.onset import JOINTS_OF, Windowing
+from irb2400_ctrl.diagnosis.comparison.passing import slow_ripple, springs
 from irb2400_ctrl.diagnosis.estimation.candidate import EVERY_JOINT, Candidate
 from irb2400_ctrl.effects.gear_ripple import GearRipple
 
@@ -94,13 +95,23 @@ class Ground:
             return []
         return [self._told(self._between(c)) for c in (*known[:1], *others)]
 
-    def slow_ripple(self, law: Candidate) -> list[Alternative]:
-        """A ripple of fewer periods a turn than one is named for, beside a law of the angle that
-        passes for one: over a short travel they look alike."""
-        if law.kind not in GearRipple.ambiguity.passing or law.joint is None:
+    def passing(self, law: Candidate) -> list[Alternative]:
+        """What a law passes for, though it may not be plausible by itself.
+
+        A ripple of fewer periods a turn than one is named for, beside a law of the angle: over a
+        short travel they look alike. A soft transmission beside play: one that stiffens, or swings
+        faster than records show, is none, and leaves torques like those of play.
+        """
+        scan = self.comparison.scan
+        start = self.comparison.start
+        if law.joint is None:
             return []
-        slow = self.comparison.scan.slow_ripple(self.comparison.start, law.joint)
-        return [self._told(slow)]
+        if law.kind in GearRipple.ambiguity.passing:
+            return [self._told(slow_ripple(scan, start, law.joint))]
+        if law.rattles:
+            told = [self._told(spring) for spring in springs(scan, start, law.joint)]
+            return sorted(told, key=self.comparison.gain)[-1:]
+        return []
 
     def lags_on_a_spring(self, late: Alternative, every: Sequence[Alternative]) -> bool:
         """Whether an angle that seems late is a link behind a soft transmission, or one with play:

@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from irb2400_ctrl.arrays import Mask
-from irb2400_ctrl.diagnosis.comparison.grid import KEPT, promising, step_at
+from irb2400_ctrl.diagnosis.comparison.grid import KEPT, promising_places, step_at
 from irb2400_ctrl.diagnosis.comparison.log_columns import LogColumns
 from irb2400_ctrl.diagnosis.estimation.candidate import (
     EVERY_JOINT,
@@ -29,7 +29,6 @@ from irb2400_ctrl.diagnosis.preparation.noise import rests
 from irb2400_ctrl.diagnosis.regressors.bases import RegressorColumns
 from irb2400_ctrl.effects import LIBRARY
 from irb2400_ctrl.effects.base import within
-from irb2400_ctrl.effects.gear_ripple import GearRipple
 from irb2400_ctrl.effects.prior import Nested
 
 EVERYWHERE_PENALTY = 15.0
@@ -102,7 +101,7 @@ class Scan(LogColumns):
             forms = self.forms(kind, always[0]) if apart else (None,)
             found += [
                 Point(kind, at, grid[place], form)
-                for place in self._promising(problem, kind, at, laws)[:KEPT]
+                for place in self.promising(problem, kind, at, laws)[:KEPT]
                 for form in forms
             ]
         return found
@@ -110,7 +109,7 @@ class Scan(LogColumns):
     def _library(self, problem: Problem, kind: str, joint: int | None) -> list[Candidate]:
         grid, laws = self.laws[kind, joint]
         best: Candidate | None = None
-        for looked, place in enumerate(self._promising(problem, kind, joint, laws)):
+        for looked, place in enumerate(self.promising(problem, kind, joint, laws)):
             if looked >= KEPT and best is not None and not LIBRARY[kind].search.device:
                 break
             nonlinear = grid[place]
@@ -121,15 +120,15 @@ class Scan(LogColumns):
             chosen = self.family_penalty(kind, joint, nonlinear)
             penalty = chosen + float(np.log(len(forms)))
             for form in forms:
-                tried = self._in_form(problem, (kind, joint), nonlinear, form, penalty)
+                tried = self.in_form(problem, (kind, joint), nonlinear, form, penalty)
                 anew = LIBRARY[kind].about(form, tried.score.coefficients)
                 if anew is not None:
-                    tried = self._in_form(problem, (kind, joint), nonlinear, anew, penalty)
+                    tried = self.in_form(problem, (kind, joint), nonlinear, anew, penalty)
                 if tried.effects and (best is None or tried.score.gain > best.score.gain):
                     best = tried
         return [] if best is None else [best]
 
-    def _in_form(
+    def in_form(
         self,
         problem: Problem,
         family: tuple[str, int | None],
@@ -156,18 +155,6 @@ class Scan(LogColumns):
         effects = () if effect is None else (effect,)
         expected = form.coefficients
         return Candidate(kind, joint, kind, (), effects, columns, extra, score, penalty, expected)
-
-    def slow_ripple(self, problem: Problem, joint: int) -> Candidate:
-        """The best ripple of one of `GearRipple.SLOW` orders, plausible or not."""
-        found = []
-        for order in GearRipple.SLOW:
-            point = {"order": order}
-            family = ("gear_ripple", joint)
-            (form,) = self.forms("gear_ripple", self.member(*family, point)[0])
-            tried = self._in_form(problem, family, point, form, self.family_penalty(*family, point))
-            effect = GearRipple.from_coefficients(joint, tried.score.coefficients.tolist(), point)
-            found.append(replace(tried, effects=(effect,)))
-        return max(found, key=lambda c: c.score.gain)
 
     def between(self, problem: Problem, candidate: Candidate) -> Candidate:
         """The candidate with its nonlinear parameters searched between the neighbours in the grid,
@@ -263,7 +250,7 @@ class Scan(LogColumns):
             discrepancy_shares(kind, extra.values.shape[2]),
         )
 
-    def _promising(
+    def promising(
         self, problem: Problem, kind: str, joint: int | None, laws: list[RegressorColumns]
     ) -> list[int]:
         """Places in the grid worth a closer look; `laws`: columns of the whole grid."""
@@ -282,7 +269,7 @@ class Scan(LogColumns):
             gains = law_gains(gram, right)
         else:
             gains = np.array([problem.score(law).gain for law in laws])
-        return promising(gains)
+        return promising_places(gains)
 
     def _everywhere(self, problem: Problem, kind: str) -> Candidate | None:
         """One effect on every joint at once, with a size for each that moves."""

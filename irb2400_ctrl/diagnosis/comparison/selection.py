@@ -233,7 +233,7 @@ class Selection:
         polished = comparison.polished(best)
         alternatives[alternatives.index(best)] = polished
         gain = comparison.gain(best)
-        alternatives += ground.slow_ripple(polished.candidate)
+        alternatives += ground.passing(polished.candidate)
         return Step(polished.candidate, gain, tuple(alternatives), one_of_two=not counts)
 
     def _best(

@@ -1,0 +1,56 @@
+"""Laws that another one of the joint passes for, plausible by themselves or not: where one of them
+says as much, that other is none to be sure of."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from irb2400_ctrl.diagnosis.comparison.scan import Scan
+from irb2400_ctrl.diagnosis.estimation.candidate import Candidate
+from irb2400_ctrl.diagnosis.estimation.evidence import Problem
+from irb2400_ctrl.effects import LIBRARY
+from irb2400_ctrl.effects.gear_ripple import GearRipple
+
+
+def slow_ripple(scan: Scan, problem: Problem, joint: int) -> Candidate:
+    """The best ripple of one of `GearRipple.SLOW` orders.
+
+    Args:
+        scan: of the log; problem: to score them on.
+        joint: counted from 1.
+    """
+    orders = [{"order": order} for order in GearRipple.SLOW]
+    found = [_member(scan, problem, ("gear_ripple", joint), point) for point in orders]
+    return max(found, key=lambda c: c.score.gain)
+
+
+def springs(scan: Scan, problem: Problem, joint: int) -> list[Candidate]:
+    """Soft transmissions at the resonances worth a look.
+
+    Args:
+        scan: of the log; problem: to score them on.
+        joint: counted from 1.
+    """
+    family = ("elastic_joint", joint)
+    if family not in scan.laws:
+        return []
+    grid, laws = scan.laws[family]
+    places = scan.promising(problem, *family, laws)
+    return [_member(scan, problem, family, grid[place]) for place in places]
+
+
+def _member(
+    scan: Scan, problem: Problem, family: tuple[str, int], point: dict[str, float]
+) -> Candidate:
+    """A member of a family in its first form.
+
+    Args:
+        scan: of the log; problem: to score it on.
+        family: kind and joint; point: its nonlinear numbers.
+    """
+    kind, joint = family
+    form = scan.forms(kind, scan.member(*family, point)[0])[0]
+    tried = scan.in_form(problem, family, point, form, scan.family_penalty(*family, point))
+    numbers = (form.columns @ tried.score.coefficients).tolist()
+    effect = LIBRARY[kind].from_coefficients(joint, numbers, point)
+    return replace(tried, effects=(effect,))
