@@ -42,7 +42,7 @@ def test_joints_that_share_a_note_share_a_line() -> None:
     layout = ColumnLayout(3, tuple(Extra("reading", joint) for joint in (1, 2, 3)))
     theta = np.full(layout.count, 0.1)
     found: Any = SimpleNamespace(layout=layout, theta=theta)
-    (note,) = notes_of((), found, np.ones(layout.count), "")
+    (note,) = notes_of((), found, np.eye(layout.count), "")
     assert note.startswith("joints 1, 2 and 3: each reads its torque without part of what")
 
 

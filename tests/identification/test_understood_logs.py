@@ -31,7 +31,7 @@ def with_torque(log: irb.Log, factor: np.ndarray | float, name: str = "other") -
     [
         ((1, 1, -1, 1, 1, 1), "the torque of joint 3 looks turned over"),
         ((0.01,) * 6, "torque looks like motor side"),
-        ((1, 1, 0.38, 1, 1, 1), r"torque looks like .* on joint 3: x 2.6.*if the column is right"),
+        ((1, 1, 0.38, 1, 1, 1), r"torque looks like .* joint 3: times 2.6.*if the column is right"),
     ],
 )
 def test_a_wrong_column_is_refused(log: irb.Log, factor: tuple[float, ...], says: str) -> None:

@@ -120,7 +120,7 @@ def test_what_would_fit_is_said_with_its_uncertainty() -> None:
     assert problem is not None
     assert problem.fits["factor"] == pytest.approx(101.0, abs=3 * problem.fits["standard_error"])
     assert problem.fits["standard_error"] < 15.0
-    assert "motor side: x" in problem.says
+    assert "motor side: times" in problem.says
 
 
 def test_the_exchanged_columns_are_told() -> None:

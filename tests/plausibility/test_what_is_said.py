@@ -28,7 +28,7 @@ def test_a_small_factor_may_be_that_of_a_current() -> None:
     problem = log_problem(ROBOT, replace(log, tau=log.tau / 9.5))
     assert problem is not None
     assert problem.kind == "torque_scale"
-    assert "motor side, or currents: x " in problem.says
+    assert "motor side, or currents: times " in problem.says
 
 
 def test_degrees_are_said_first_where_the_torques_want_them() -> None:
