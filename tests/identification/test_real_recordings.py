@@ -20,10 +20,11 @@ ABOVE = {
     "tx40": {},
     # its torques were low-passed; where that smears a standstill nobody is judged, which helps the
     # baseline of joint 6 (5.0 % instead of 6.0) more than us. Bodies as uncertain as those of a
-    # URDF are cost joint 5 (3.9 % before) what they give joint 6, and joint 2 of the TX40
-    "ur10": {5: 1.17, 6: 1.10},
+    # URDF are cost joint 5 (3.9 % before) what they give joint 6, and joint 2 of the TX40; friction
+    # of joint 2 that grows with load takes a third off its error, and adds a hundredth to joint 5's
+    "ur10": {5: 1.19, 6: 1.10},
 }
-ERRORS = {"ur10": (3.8, 4.8, 2.7, 3.5, 4.4, 5.6)}
+ERRORS = {"ur10": (3.9, 3.3, 2.7, 3.5, 4.5, 5.6)}
 """[%] that are not exceeded, joint by joint"""
 
 
@@ -39,7 +40,7 @@ def test_drives_that_read_in_part_are_found_on_the_other_half(
     rows, _ = table(swapped(CASES["ur10"](MEASURED)))
     assert (rows["ratio"][:5] <= GOAL).all()
     assert rows["ratio"][5] <= 1.13
-    assert (rows["identify"] <= (3.7, 4.9, 3.8, 4.1, 3.9, 5.6)).all()
+    assert (rows["identify"] <= (3.7, 1.8, 3.8, 4.1, 3.9, 5.6)).all()
     sys.modules.pop("benchmarks", None)
 
 
