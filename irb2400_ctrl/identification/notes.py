@@ -125,16 +125,12 @@ def of_the_bodies(moved: Sequence[Moved], results: Sequence[LogResult], doubted:
 
 
 def _sure(extra: Extra, found: Fit, covariance: Array) -> bool:
-    """Whether some number of it is beyond its standard error; of a reading without what accelerates
-    its drive that is what it lacks beyond the rotor: logs tell the difference of the two alone.
+    """Whether something that logs tell of it is beyond its standard error.
 
     Args:
         extra: one of the fit; found: the fit; covariance: of its numbers, shape (p, p).
     """
-    own = found.layout.extra(extra)
-    picked = np.eye(found.layout.count)[own]
-    if extra.kind == "reading":
-        picked[0, found.layout.drive("rotor").start + extra.joint - 1] = -1.0
+    picked = found.layout.told(extra)
     errors = np.sqrt(np.maximum(np.diag(picked @ covariance @ picked.T), 0.0))
     return bool((np.abs(picked @ found.theta) > SURE * errors).any())
 
@@ -182,5 +178,5 @@ def notes_of(moved: Sequence[Moved], found: Fit, covariance: Array, said: str) -
         doubt = "" if sure else ", by less than twice the standard error of it: perhaps not"
         joints.setdefault(f"{kinds[extra.kind]}{doubt}", []).append(extra.joint)
     for text, have in joints.items():
-        notes.append(f"{numbered('joint', have)}{': each' if len(have) > 1 else ''} {text}")
+        notes.append(f"{numbered('joint', sorted(have))}{': each' if len(have) > 1 else ''} {text}")
     return [*notes, said] if said else notes

@@ -12,7 +12,13 @@ import pytest
 from irb2400_ctrl.identification.fitting.columns import ColumnLayout, Extra
 from irb2400_ctrl.identification.moved import Moved
 from irb2400_ctrl.identification.notes import notes_of, of_the_bodies
-from irb2400_ctrl.report.pages.identification_page import _facts, _grade, _sentence, _share
+from irb2400_ctrl.report.pages.identification_page import (
+    _facts,
+    _grade,
+    _sentence,
+    _share,
+    drive_rows,
+)
 
 
 @pytest.mark.parametrize(
@@ -39,11 +45,36 @@ def test_what_is_within_its_own_error_is_not_said_as_a_fact(
 
 def test_joints_that_share_a_note_share_a_line() -> None:
     """Of a Panda the same line came seven times."""
-    layout = ColumnLayout(3, tuple(Extra("reading", joint) for joint in (1, 2, 3)))
+    layout = ColumnLayout(3, tuple(Extra("reading", joint) for joint in (3, 1, 2)))
     theta = np.full(layout.count, 0.1)
     found: Any = SimpleNamespace(layout=layout, theta=theta)
     (note,) = notes_of((), found, np.eye(layout.count), "")
     assert note.startswith("joints 1, 2 and 3: each reads its torque without part of what")
+
+
+def test_of_a_reading_the_report_says_what_logs_tell() -> None:
+    """Of a UR10 it was 0.4 ± 5.8 beside a rotor of 0.0 ± 5.8."""
+    layout = ColumnLayout(2, (Extra("reading", 2), Extra("load", 1)))
+    rotor = layout.drive("rotor").start + 1
+    own = layout.extra(Extra("reading", 2)).start
+    theta = np.zeros(layout.count)
+    theta[rotor] = 0.1
+    theta[own] = 0.5
+    theta[-1] = 0.046
+    covariance = np.zeros((layout.count, layout.count))
+    covariance[np.ix_([rotor, own], [rotor, own])] = 9.0
+    covariance[own, own] += 0.02**2
+    result: Any = SimpleNamespace(
+        layout=layout,
+        theta=theta,
+        covariance=covariance,
+        standard_errors=np.sqrt(np.diag(covariance)),
+        given=SimpleNamespace(n=2),
+    )
+    rows = {str(row[0]): row[1:] for row in drive_rows(result)[1]}
+    assert str(rows["not read, beyond the rotor [kg m2]"][1]).startswith("0.400 ± 0.02")
+    assert rows["rotor [kg m2]"][1] == "not told"
+    assert str(rows["loss over the torque carried [Nm/Nm]"][0]).startswith("0.046")
 
 
 def test_a_share_that_no_motion_determines_has_no_digits() -> None:

@@ -137,7 +137,13 @@ class Scan(LogColumns):
         penalty: float,
     ) -> Candidate:
         """A member of a family in one of its forms; without an effect where its numbers are not
-        plausible."""
+        plausible.
+
+        Args:
+            problem: to score it on.
+            family: kind and joint; nonlinear: its numbers beside the law's coefficients.
+            form: of the law; penalty: for the choice among members [nats].
+        """
         kind, joint = family
         law, departures = self.member(kind, joint, nonlinear)
         extra: RegressorColumns | None = departures
@@ -253,7 +259,12 @@ class Scan(LogColumns):
     def promising(
         self, problem: Problem, kind: str, joint: int | None, laws: list[RegressorColumns]
     ) -> list[int]:
-        """Places in the grid worth a closer look; `laws`: columns of the whole grid."""
+        """Places in the grid worth a closer look.
+
+        Args:
+            problem: to score them on.
+            kind, joint: the family; laws: columns of the whole grid.
+        """
         if len(laws) == 1:
             return [0]
         if LIBRARY[kind].states:

@@ -101,6 +101,14 @@ class ColumnLayout:
         start = self.inertial + 4 * self.n + sum(e.size for e in self.extras[:place])
         return slice(start, start + extra.size)
 
+    def told(self, extra: Extra) -> Array:
+        """What logs tell of an extra, of the numbers of all columns, shape (size, count): its own;
+        of a reading without what accelerates its drive what it lacks beyond the rotor."""
+        picked = np.eye(self.count)[self.extra(extra)]
+        if extra.kind == "reading":
+            picked[0, self.drive("rotor").start + extra.joint - 1] = -1.0
+        return picked
+
     def names(self) -> list[str]:
         """Name of every column, joints and links from 1."""
         names = [f"{what}_{link + 1}" for link in range(self.n) for what in NAMES]

@@ -39,6 +39,15 @@ MODELS = {
     "unseen": "identified, unseen",
     "fitted": "identified, all logs",
 }
+EXTRAS = {
+    "load load sgn qd": "loss over the torque carried [Nm/Nm]",
+    "power root qd": "over the root of speed [Nm (s/rad)^1/2]",
+    "reading -qdd": "not read, beyond the rotor [kg m2]",
+    "stribeck bell": "more at low speed [Nm]",
+    "balancer sin q": "balancer, sin q [Nm]",
+    "balancer cos q": "balancer, cos q [Nm]",
+}
+"""rows of numbers that only some arms have"""
 MOST_TOLD = 999.0
 """[%] of the torque left above which no number is told"""
 FEW = 4
@@ -262,15 +271,27 @@ def moved_rows(result: Identification) -> tuple[list[str], list[list[object]]]:
 
 def drive_rows(result: Identification) -> tuple[list[str], list[list[object]]]:
     """Head and rows: a kind of number a row, a joint a column."""
+    layout = result.layout
     found: dict[str, dict[int, object]] = {}
-    for k in range(result.layout.inertial, result.layout.count):
-        name, _, more = result.layout.names()[k].partition(" ")
+    for k in range(layout.inertial, layout.count):
+        name, _, more = layout.names()[k].partition(" ")
         kind, _, joint = name.rpartition("_")
         told = with_error(float(result.theta[k]), float(result.standard_errors[k]))
         found.setdefault(f"{kind} {more}".rstrip(), {})[int(joint)] = told
+    for extra in layout.extras:
+        if extra.kind == "reading":
+            # each of the two alone is open
+            (picked,) = layout.told(extra)
+            error = float(np.sqrt(picked @ result.covariance @ picked))
+            told = with_error(float(picked @ result.theta), error)
+            found["reading -qdd"][extra.joint] = told
+            found["rotor"][extra.joint] = "not told"
     joints = range(1, 1 + result.given.n)
     rows = [
-        [f"{kind} [{UNITS.get(kind, 'SI')}]", *(values.get(j, "") for j in joints)]
+        [
+            EXTRAS.get(kind, f"{kind} [{UNITS.get(kind, 'SI')}]"),
+            *(values.get(j, "") for j in joints),
+        ]
         for kind, values in found.items()
     ]
     return ["number", *(f"joint {j}" for j in joints)], rows
