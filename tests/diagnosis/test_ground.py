@@ -96,11 +96,13 @@ def test_a_spring_over_a_short_travel_may_be_a_slow_ripple(monkeypatch: pytest.M
     told = Told(monkeypatch)
     asked: list[int] = []
     slow = explanation("gear_ripple", 3, gain=70.0)
-    told.ground.comparison.scan.slow_ripple = lambda start, joint: asked.append(joint) or slow
-    (found,) = told.ground.slow_ripple(explanation("cable_spring", 3))
+    monkeypatch.setattr(
+        module, "slow_ripple", lambda scan, start, joint: asked.append(joint) or slow
+    )
+    (found,) = told.ground.passing(explanation("cable_spring", 3))
     assert (found.candidate, asked) == (slow, [3])
-    assert told.ground.slow_ripple(explanation("payload", None)) == []
-    assert told.ground.slow_ripple(explanation("balancer", 2)) == []
+    assert told.ground.passing(explanation("payload", None)) == []
+    assert told.ground.passing(explanation("balancer", 2)) == []
     assert asked == [3]
 
 

@@ -175,12 +175,7 @@ class _Search:
             iterations += found.iterations
             law = problem.law(found.z)
             ratios = self.as_read(law, self.ratios(law))
-            if _largest(ratios) <= 1 + _ENOUGH:
-                # rows of the slowed motion lie elsewhere: what swings there is held back in turn
-                law, ratios = self.slowed(law, ratios)
-                if _largest(ratios) <= 1 + _ENOUGH:
-                    break
-            if turn == _ROUNDS - 1:
+            if _largest(ratios) <= 1 + _ENOUGH or turn == _ROUNDS - 1:
                 break
             _refuse(
                 ratios,
@@ -198,21 +193,13 @@ class _Search:
     ) -> tuple[RateLimitedLaw, OutputRatios]:
         """The motion slowed by what is still above its limits."""
         for _ in range(_ROUNDS):
-            if _largest(ratios) <= 1 - ROUNDING or _largest(ratios) > _HOPELESS:
+            worst = _largest(ratios)
+            if worst <= 1 - ROUNDING or worst > _HOPELESS:
                 break
-            law, ratios = self.slowed(law, ratios)
+            # torque falls with the square of the speed, but for gravity and friction
+            law = law.slowed(1 + 0.7 * (worst - 1) + _BEYOND)
+            ratios = self.as_read(law, self.ratios(law))
         return law, ratios
-
-    def slowed(
-        self, law: RateLimitedLaw, ratios: OutputRatios
-    ) -> tuple[RateLimitedLaw, OutputRatios]:
-        """The motion slowed once by what is above its limits, if anything is."""
-        worst = _largest(ratios)
-        if worst <= 1 - ROUNDING:
-            return law, ratios
-        # torque falls with the square of the speed, but for gravity and friction
-        law = law.slowed(1 + 0.7 * (worst - 1) + _BEYOND)
-        return law, self.as_read(law, self.ratios(law))
 
 
 def _refuse(ratios: OutputRatios, outputs: ConstrainedOutputs, most: float, why: str) -> None:
