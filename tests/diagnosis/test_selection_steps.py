@@ -50,6 +50,7 @@ def explanation(kind: str, joint: int | None = 1, known: bool = True, **given: A
         "name": kind,
         "penalty": 0.0,
         "begins": (),
+        "rattles": False,
         "gain": 100.0,
         "effects": (),
     }
