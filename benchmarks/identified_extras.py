@@ -20,9 +20,8 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 
-from identification.possible_arms import PossibleCase, possible_robot
+from identification.possible_arms import PossibleCase, as_read, possible_robot
 from independent_plant.effects import KINDS, Effect
-from independent_plant.log import Log as PlantLog
 
 import irb2400_ctrl as irb
 
@@ -43,11 +42,6 @@ def case_of(robot: irb.Robot, seed: int, kind: str) -> tuple[PossibleCase, int |
     return PossibleCase(robot, seed, SECONDS, Effect(kind, joint, size)), joint
 
 
-def log_of(raw: PlantLog) -> irb.Log:
-    """As the library reads it."""
-    return irb.Log(raw.time, raw.q, raw.tau, qd=raw.qd, q_ref=raw.q_ref)
-
-
 def main() -> None:
     """Command line."""
     parser = argparse.ArgumentParser(
@@ -65,7 +59,7 @@ def main() -> None:
         own = []
         for seed in range(args.first, args.first + args.arms):
             case, joint = case_of(robot, seed, kind)
-            fitted, judge = (log_of(raw) for raw in case.simulate())
+            fitted, judge = (as_read(case.recorded(which), "log") for which in (0, 1))
             found = irb.identify(robot, fitted, validation=judge)
             told = {(e.kind, e.joint) for e in found.robot.effects if e.kind not in ALWAYS}
             (judged,) = [log for log in found.logs if log.role == "validation"]

@@ -34,8 +34,6 @@ SLOW = 1.2
 """times the floor that the spectrum of what is left shows above the motion's frequencies, below
 which it is as strong there: noise with a colour (1.07 at most on three sound arms whose torque
 sensors have it, 1.6 and more where a law was missing)"""
-
-
 USUAL = 1.3
 """times what a reference leaves on stretches that its model had not seen"""
 

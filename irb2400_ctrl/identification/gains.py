@@ -35,6 +35,7 @@ from irb2400_ctrl.measurement import Log
 from irb2400_ctrl.measurement.prepared_log import PreparedLog
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.robot import Body, Robot
+from irb2400_ctrl.wording import joined, numbered
 
 SURE = 0.05
 """standard error up to which a gain is known [-]"""
@@ -94,12 +95,11 @@ class Gains:
         if self.source == "other joints":
             return [self._apart()]
         if self.source == "robot file":
-            stated = ", ".join(
-                f"{j + 1} ({self.values[j]:.3g})" for j in np.flatnonzero(self.known)
-            )
+            joints = [int(j) + 1 for j in np.flatnonzero(self.known)]
+            values = joined([f"{self.values[j - 1]:.3g}" for j in joints])
             return [
-                f"the torque channels of joints {stated} read as many times their torque as the "
-                "file has it (torque_gain): its gains are kept, none are looked for"
+                f"the torque of {numbered('joint', joints)} is read {values} times as large, "
+                "as the file has it (torque_gain): its gains are kept, none are looked for"
             ]
         found = []
         for j, (value, error) in enumerate(zip(self.values, self.errors, strict=True)):

@@ -130,9 +130,8 @@ def _sure(extra: Extra, found: Fit, covariance: Array) -> bool:
     Args:
         extra: one of the fit; found: the fit; covariance: of its numbers, shape (p, p).
     """
-    picked = found.layout.told(extra)
-    errors = np.sqrt(np.maximum(np.diag(picked @ covariance @ picked.T), 0.0))
-    return bool((np.abs(picked @ found.theta) > SURE * errors).any())
+    values, errors = found.layout.told(extra, found.theta, covariance)
+    return bool((np.abs(values) > SURE * errors).any())
 
 
 def notes_of(moved: Sequence[Moved], found: Fit, covariance: Array, said: str) -> list[str]:

@@ -7,6 +7,7 @@ import numpy as np
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.measurement.log import Log
 from irb2400_ctrl.measurement.log_facts import digit, neighbour_noise
+from irb2400_ctrl.measurement.prepared_log import CUTOFF
 from irb2400_ctrl.measurement.time_base import with_time_base
 from irb2400_ctrl.measurement.uniform import (
     LowPass,
@@ -17,9 +18,6 @@ from irb2400_ctrl.measurement.uniform import (
 )
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.robot import Robot
-
-CUTOFF = 10.0
-"""[Hz] below which torques are compared"""
 
 
 def torque_from_angle_noise(robot: Robot, log: Log) -> Array | None:

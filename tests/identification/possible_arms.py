@@ -11,6 +11,7 @@ from dataclasses import replace
 import numpy as np
 from independent_plant.case import Case
 from independent_plant.effects import Effect
+from independent_plant.log import Log as PlantLog
 from independent_plant.machine import Machine
 from independent_plant.motion import Motion
 from independent_plant.native import RECORD_RATE
@@ -105,7 +106,11 @@ def log_of(case: Case, course: Trajectory | None = None, name: str = "motion") -
         q = between(step, course.q, course.qd, course.qdd, time)[0]
         rest = np.tile(q[0], (round(RECORD_RATE), 1))
         commanded = Motion(0.0, 1.0, np.vstack([rest, q]))
-    raw = case.simulate(commanded)[0]
+    return as_read(case.recorded(0, commanded), name)
+
+
+def as_read(raw: PlantLog, name: str) -> irb.Log:
+    """A log of the plant as the library reads it."""
     return irb.Log(raw.time, raw.q, raw.tau, qd=raw.qd, q_ref=raw.q_ref, name=name)
 
 

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from identification.given_columns import fit_with
 
 import irb2400_ctrl as irb
 from irb2400_ctrl.identification.fitting.choice import PINNED
@@ -70,19 +71,19 @@ def test_friction_that_is_late_to_turn_is_no_reading(lacking: Lacking) -> None:
         state = np.clip(state + step / 0.05, -1.0, 1.0)
         tau[k, 1] += 20.0 * (state - np.sign(m.qd[k, 1]))
     late = [replace(part, motion=replace(m, tau=tau))]
-    bare = fit(model, late, ())
+    bare = fit_with(model, late)
     fast = moments(model, bare.layout, faster_half(late)).summed()
     values, errors = _signed_rotors(bare, bare.sums.summed())
     assert values[1] < -NEGATIVE * errors[1]
-    assert len(_unread(bare, fast)) == 0
+    assert len(_unread(bare, lambda: fast)) == 0
     # the same where it is as much in motion
-    assert 1 in _unread(bare, bare.sums.summed())
+    assert 1 in _unread(bare, bare.sums.summed)
     assert readings_of(fit(model, late)) == ()
 
 
 def test_a_rotor_beside_a_reading_is_none(lacking: Lacking) -> None:
     """Only their difference is told: the smallest pair, not an inertia that nobody measured."""
-    found = fit(*lacking, READINGS)
+    found = fit_with(*lacking, *READINGS)
     layout = ColumnLayout(6, READINGS)
     assert found.theta[layout.drive("rotor")][3:].max() < 1e-3
     assert found.theta[layout.extra(READINGS[0])][0] > 0.5 * LACKS[3]
@@ -114,7 +115,7 @@ def test_friction_that_no_joint_has_is_not(lacking: Lacking, coefficient: float)
 
 def test_numbers_are_halfway_to_those_of_wider_bodies(lacking: Lacking) -> None:
     """Of widths as probable as those found; a real arm was left 1.14 times the better baseline."""
-    found = fit(*lacking, READINGS)
+    found = fit_with(*lacking, *READINGS)
     positive = found.layout.positive()
     drives = found.prior.drives.copy()
     drives[found.layout.drive("rotor").start - found.layout.inertial + np.arange(3, 6)] *= PINNED

@@ -111,8 +111,8 @@ def test_gains_that_the_file_states_are_kept() -> None:
     np.testing.assert_allclose(again.gains.values, stated)
     told = {e.joint: e.gain for e in again.robot.effects if e.kind == "torque_gain"}
     assert told == {j + 1: stated[j] for j in np.flatnonzero(first.gains.known)}
-    (line,) = [note for note in again.notes if "torque channels" in note]
-    assert "as the file has it (torque_gain)" in line
+    (line,) = [note for note in again.notes if "as the file has it (torque_gain)" in note]
+    assert line.startswith("the torque of joints ")
     # as sure as before, and of the arm in true torque
     (judged,) = again.logs
     assert (judged.error("before").rmse < 1.3 * judged.error("unseen").rmse).all()

@@ -7,11 +7,11 @@ from importlib import import_module
 
 import numpy as np
 import pytest
+from identification.given_columns import fit_with
 from identification.possible_arms import PossibleCase, log_of, possible_robot
 
 import irb2400_ctrl as irb
 from irb2400_ctrl.identification import Identification
-from irb2400_ctrl.identification.fitting.fit import fit
 from irb2400_ctrl.identification.fitting.moments import recordings
 from irb2400_ctrl.identification.fitting.motion_source import motion_of
 from irb2400_ctrl.identification.identified_robot import fit_base
@@ -109,7 +109,7 @@ def test_what_the_delay_leaves_open_is_open_in_the_numbers() -> None:
     fits = {}
     for off in (-1e-3, 0.0, 1e-3):
         parts = recordings([in_time(motion, true + off)], nothing)
-        fits[off] = fit(model, parts, [])
+        fits[off] = fit_with(model, parts)
     (one,) = identified(4).late
     parts = recordings([in_time(motion, true)], nothing)
     covariance = open_by_delay(model, fits[0.0], parts, [one])

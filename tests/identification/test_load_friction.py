@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 from diagnosis.plain_motion import motion
-from identification.possible_arms import PossibleCase, log_of, possible_robot
+from identification.possible_arms import PossibleCase, as_read, log_of, possible_robot
 from independent_plant.effects import Effect
 
 import irb2400_ctrl as irb
@@ -31,10 +31,8 @@ def case(joint: int | None) -> PossibleCase:
 
 @cache
 def identified(joint: int | None) -> Identification:
-    first = log_of(case(joint))
-    second = case(joint).recorded(1)
-    judge = irb.Log(second.time, second.q, second.tau, qd=second.qd, q_ref=second.q_ref)
-    return irb.identify(possible_robot(), first, validation=judge)
+    judge = as_read(case(joint).recorded(1), "judge")
+    return irb.identify(possible_robot(), log_of(case(joint)), validation=judge)
 
 
 def loss(found: irb.Robot) -> dict[int | None, float]:

@@ -20,6 +20,7 @@ from irb2400_ctrl.identification.fitting.estimate import (
 )
 from irb2400_ctrl.identification.fitting.fitted import Fit
 from irb2400_ctrl.identification.fitting.moments import Moments
+from irb2400_ctrl.identification.fitting.noise import NOTHING
 from irb2400_ctrl.identification.fitting.prior import Prior
 
 CLEAR = 10.0
@@ -30,8 +31,6 @@ SURE = 3.0
 """standard errors from nothing of a gear's loss: as large a one as in many a file hardly shows"""
 MOST_LOSS = 0.15
 """of the torque that a gear carries, lost to dry friction on top of what it always has [-]"""
-NOTHING = 1e-9
-"""[Nm] what a joint that rests leaves"""
 PINNED = 1e-8
 """variance, over its own, of a number that is held at zero"""
 

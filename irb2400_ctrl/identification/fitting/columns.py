@@ -101,13 +101,19 @@ class ColumnLayout:
         start = self.inertial + 4 * self.n + sum(e.size for e in self.extras[:place])
         return slice(start, start + extra.size)
 
-    def told(self, extra: Extra) -> Array:
-        """What logs tell of an extra, of the numbers of all columns, shape (size, count): its own;
-        of a reading without what accelerates its drive what it lacks beyond the rotor."""
+    def told(self, extra: Extra, theta: Array, covariance: Array) -> tuple[Array, Array]:
+        """What logs tell of an extra, and its standard errors, shape (size,): its numbers; of a
+        reading without what accelerates its drive what it lacks beyond the rotor.
+
+        Args:
+            extra: one of these; theta: numbers of all columns, (count,).
+            covariance: of them, (count, count).
+        """
         picked = np.eye(self.count)[self.extra(extra)]
         if extra.kind == "reading":
             picked[0, self.drive("rotor").start + extra.joint - 1] = -1.0
-        return picked
+        variance = np.diag(picked @ covariance @ picked.T)
+        return picked @ theta, np.sqrt(np.maximum(variance, 0.0))
 
     def names(self) -> list[str]:
         """Name of every column, joints and links from 1."""

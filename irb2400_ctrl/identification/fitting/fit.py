@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import cache
 
 import numpy as np
 
 from irb2400_ctrl.arrays import Array, Integers, Mask
-from irb2400_ctrl.identification.fitting.choice import NOTHING, PINNED, Choice, candidates
+from irb2400_ctrl.identification.fitting.choice import PINNED, Choice, candidates
 from irb2400_ctrl.identification.fitting.columns import ColumnLayout, Extra
 from irb2400_ctrl.identification.fitting.cross_validation import FOLDS, overall, unseen_rms
 from irb2400_ctrl.identification.fitting.estimate import (
@@ -27,7 +27,7 @@ from irb2400_ctrl.identification.fitting.moments import (
     moments,
     predicted,
 )
-from irb2400_ctrl.identification.fitting.noise import correlation_factor
+from irb2400_ctrl.identification.fitting.noise import NOTHING, correlation_factor
 from irb2400_ctrl.identification.fitting.prior import Prior, prior_of
 from irb2400_ctrl.identification.fitting.sample_weights import student_weighted
 from irb2400_ctrl.model import Model
@@ -45,17 +45,12 @@ IN_MOTION = (2.0, 0.6)
 fast: friction that is late to turn looks like one at reversals alone"""
 
 
-def fit(model: Model, parts: Sequence[Recording], extras: Sequence[Extra] | None = None) -> Fit:
-    """Fit the arm to recordings.
-
-    Args:
-        extras: what is taken on; default what gains clearly on unseen stretches.
-    """
+def fit(model: Model, parts: Sequence[Recording]) -> Fit:
+    """Fit the arm to recordings, with the extras that gain clearly on unseen stretches."""
     n = model.robot.n
     readings = tuple(Extra("reading", j + 1) for j in range(n))
-    offered = (*candidates(n), *readings) if extras is None else tuple(extras)
     bare = _fitted_to(model, parts, ColumnLayout(n))
-    whole = _pressed(ColumnLayout(n, offered), bare)
+    whole = _pressed(ColumnLayout(n, (*candidates(n), *readings)), bare)
     sums = moments(model, whole, parts)
     prior = prior_of(model.robot, whole, scale_of(parts))
 
@@ -63,20 +58,17 @@ def fit(model: Model, parts: Sequence[Recording], extras: Sequence[Extra] | None
         layout = replace(whole, extras=tuple(chosen))
         return _fitted(model, parts, layout, *_part(sums, prior, layout, whole))
 
-    found = bare if extras is None else of(offered)
-    if extras is None:
-        beyond = {
-            "power": cache(lambda: moments(model, whole, faster_half(parts)).summed()),
-            "load": cache(
-                lambda: moments(model, whole, heavier_half(model, whole, parts)).summed()
-            ),
-        }
-        chosen = Choice(bare, sums.gathered(FOLDS), beyond, prior, whole).extras()
-        found = of(chosen) if chosen else bare
-        unread = _unread(found, beyond["power"]().part(found.layout.within(whole)))
-        if len(unread):
-            read = of((*chosen, *(readings[j] for j in unread)))
-            found = read if _more_probable(read, found) else found
+    beyond = {
+        "power": cache(lambda: moments(model, whole, faster_half(parts)).summed()),
+        "load": cache(lambda: moments(model, whole, heavier_half(model, whole, parts)).summed()),
+    }
+    chosen = Choice(bare, sums.gathered(FOLDS), beyond, prior, whole).extras()
+    found = of(chosen) if chosen else bare
+    places = found.layout.within(whole)
+    unread = _unread(found, lambda: beyond["power"]().part(places))
+    if len(unread):
+        read = of((*chosen, *(readings[j] for j in unread)))
+        found = read if _more_probable(read, found) else found
     if any(extra.kind == "load" for extra in found.layout.extras):
         # the gears carry the bodies that were found, no longer those of a fit without such friction
         found = _fitted_to(model, parts, _pressed(found.layout, found))
@@ -213,19 +205,23 @@ def _without_read_rotors(prior: Prior, layout: ColumnLayout) -> Prior:
     return replace(prior, drives=drives)
 
 
-def _unread(base: Fit, fast: Moments) -> Integers:
+def _unread(base: Fit, fast: Callable[[], Moments]) -> Integers:
     """Zero-based joints whose rotor is below zero where it may be: their drives read the torque
     without part of what accelerates the joint.
 
     Args:
-        base: a fit without such readings; fast: sums of the faster half, with its columns.
+        base: a fit without such readings.
+        fast: sums of the faster half, with its columns; asked for only where a rotor is below zero.
     """
+    none = np.array([], dtype=int)
     value, error = _signed_rotors(base, base.sums.summed())
-    fast_value, fast_error = _signed_rotors(base, fast)
     below = -value / error
+    if below.max() <= NEGATIVE:
+        return none
+    fast_value, fast_error = _signed_rotors(base, fast())
     clear, share = IN_MOTION
     told = (below > NEGATIVE) & (-fast_value > clear * fast_error) & (fast_value < share * value)
-    return np.flatnonzero(below > LIKE) if told.any() else np.array([], dtype=int)
+    return np.flatnonzero(below > LIKE) if told.any() else none
 
 
 def _signed_rotors(base: Fit, data: Moments) -> tuple[Array, Array]:

@@ -1,4 +1,4 @@
-"""How many samples of a residual say the same thing."""
+"""How small a residual may be, and how many of its samples say the same thing."""
 
 from __future__ import annotations
 
@@ -6,6 +6,8 @@ import numpy as np
 
 from irb2400_ctrl.arrays import Array, Mask
 
+NOTHING = 1e-9
+"""[Nm] what a joint that rests leaves"""
 LEAST = 0.05
 """the correlation is summed until it first falls below this"""
 

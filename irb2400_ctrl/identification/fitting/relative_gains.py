@@ -13,12 +13,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from irb2400_ctrl.arrays import Array
-from irb2400_ctrl.identification.fitting.choice import NOTHING
 from irb2400_ctrl.identification.fitting.cross_validation import FOLDS
 from irb2400_ctrl.identification.fitting.estimate import scaled_inverse
 from irb2400_ctrl.identification.fitting.fit import ASIDE
 from irb2400_ctrl.identification.fitting.fitted import Fit
 from irb2400_ctrl.identification.fitting.moments import Moments
+from irb2400_ctrl.identification.fitting.noise import NOTHING
 
 USUAL = 0.15
 """spread of torque constants about what a file states"""

@@ -10,14 +10,13 @@ import numpy as np
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.identification.fitting.columns import ColumnLayout
 from irb2400_ctrl.identification.fitting.moments import Recording, predicted
+from irb2400_ctrl.identification.fitting.noise import NOTHING
 from irb2400_ctrl.model import Model
 
 DEGREES_OF_FREEDOM = 4.0
 """of the Student-t on each sample"""
 ROUNDS = 20
 """of its scale"""
-NOTHING = 1e-9
-"""[Nm] what a joint that rests leaves"""
 
 
 def student_weighted(

@@ -13,6 +13,7 @@ from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.diagnosis.preparation.base_prior import BODY
 from irb2400_ctrl.identification import Identification, LogResult
 from irb2400_ctrl.identification.few_samples import few_samples
+from irb2400_ctrl.identification.fitting.columns import DRIVE_TERMS, EXTRA_COLUMNS
 from irb2400_ctrl.identification.gate import Grade as Told
 from irb2400_ctrl.identification.moved import ALARM, Moved
 from irb2400_ctrl.measurement import Log
@@ -273,18 +274,16 @@ def drive_rows(result: Identification) -> tuple[list[str], list[list[object]]]:
     """Head and rows: a kind of number a row, a joint a column."""
     layout = result.layout
     found: dict[str, dict[int, object]] = {}
-    for k in range(layout.inertial, layout.count):
-        name, _, more = layout.names()[k].partition(" ")
-        kind, _, joint = name.rpartition("_")
-        told = with_error(float(result.theta[k]), float(result.standard_errors[k]))
-        found.setdefault(f"{kind} {more}".rstrip(), {})[int(joint)] = told
+    for term in DRIVE_TERMS:
+        own = layout.drive(term)
+        pairs = zip(result.theta[own], result.standard_errors[own], strict=True)
+        found[term] = {j: with_error(float(v), float(e)) for j, (v, e) in enumerate(pairs, start=1)}
     for extra in layout.extras:
-        if extra.kind == "reading":
-            # each of the two alone is open
-            (picked,) = layout.told(extra)
-            error = float(np.sqrt(picked @ result.covariance @ picked))
-            told = with_error(float(picked @ result.theta), error)
-            found["reading -qdd"][extra.joint] = told
+        told = layout.told(extra, result.theta, result.covariance)
+        for column, value, error in zip(EXTRA_COLUMNS[extra.kind], *told, strict=True):
+            row = found.setdefault(f"{extra.kind} {column}", {})
+            row[extra.joint] = with_error(float(value), float(error))
+        if extra.kind == "reading":  # of the two the difference alone is known
             found["rotor"][extra.joint] = "not told"
     joints = range(1, 1 + result.given.n)
     rows = [

@@ -6,8 +6,8 @@ from __future__ import annotations
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.planners.toolpath.readers.gcode.cycles import CYCLES
 from irb2400_ctrl.planners.toolpath.readers.gcode.frames import CODES as FRAMES
-from irb2400_ctrl.planners.toolpath.readers.gcode.splines import MODES as SPLINES
-from irb2400_ctrl.planners.toolpath.readers.gcode.state import GcodeState
+from irb2400_ctrl.planners.toolpath.readers.gcode.motion import CENTRE, VECTOR
+from irb2400_ctrl.planners.toolpath.readers.gcode.state import AXES, ROTARY, SPLINES, GcodeState
 from irb2400_ctrl.planners.toolpath.readers.program_builder import ProgramBuilder
 
 MOTION = {0, 1, 2, 3, 80, *SPLINES, *CYCLES}
@@ -166,3 +166,10 @@ def without_owned(
             shown = " ".join(f"{letter}{values[letter]:g}" for letter in taken)
             builder.note("assumed", f"G{code:g} {shown}: {says}")
     return left
+
+
+def moves(values: dict[str, float], *, by_centre: bool = False) -> bool:
+    """Whether a block has words that lead somewhere; `by_centre`: I, J and K do
+    (`GcodeState.by_centre`)."""
+    words = (*AXES, *ROTARY, *VECTOR, *(CENTRE if by_centre else ()))
+    return any(letter in values for letter in words)

@@ -19,8 +19,14 @@ from irb2400_ctrl.planners.toolpath.readers.expansion.arcs import (
 from irb2400_ctrl.planners.toolpath.readers.gcode.cycles import CYCLES, GcodeCycles
 from irb2400_ctrl.planners.toolpath.readers.gcode.rotary import REFUSAL, UNCONTROLLED, Rotary
 from irb2400_ctrl.planners.toolpath.readers.gcode.siemens_words import TO_ANGLE
-from irb2400_ctrl.planners.toolpath.readers.gcode.splines import MODES, GcodeSplines
-from irb2400_ctrl.planners.toolpath.readers.gcode.state import AXES, PLANES, ROTARY, GcodeState
+from irb2400_ctrl.planners.toolpath.readers.gcode.splines import GcodeSplines
+from irb2400_ctrl.planners.toolpath.readers.gcode.state import (
+    AXES,
+    PLANES,
+    ROTARY,
+    SPLINES,
+    GcodeState,
+)
 from irb2400_ctrl.planners.toolpath.readers.program_builder import ProgramBuilder
 
 CENTRE = "IJK"
@@ -94,7 +100,7 @@ class GcodeMotion:
         axis = self._axis(values)
         if motion in CYCLES:
             self.cycles.run(motion, values)
-        elif motion in MODES:
+        elif motion in SPLINES:
             self.splines.run(motion, values, axis)
         elif motion in {2, 3}:
             self._arc(motion, values, axis)
@@ -340,11 +346,3 @@ class GcodeMotion:
             raise InputError(f"{self._builder.place}: {REFUSAL}")
         if self._rotary is not None and (state.turned_by_file or stated):
             self._rotary.leads_to(normal, state.rotary, self._builder.place)
-
-
-def moves(values: dict[str, float], motion: float | None = None) -> bool:
-    """Whether a block has words that lead somewhere; a full circle (2, 3) needs its centre only,
-    and a turn on the spot under G43.5 its vector, which is I J K as well."""
-    curved = motion in {2, 3, *MODES}
-    words = (*AXES, *ROTARY, *VECTOR, *(CENTRE if curved else ()))
-    return any(letter in values for letter in words)

@@ -14,6 +14,7 @@ from irb2400_ctrl.planners.toolpath.readers.gcode.codes import (
     MOTION,
     REFUSED,
     SPECIAL,
+    moves,
     refuse_idle_words,
     without_owned,
 )
@@ -23,10 +24,9 @@ from irb2400_ctrl.planners.toolpath.readers.gcode.decimal_points import without_
 from irb2400_ctrl.planners.toolpath.readers.gcode.frames import GcodeFrames
 from irb2400_ctrl.planners.toolpath.readers.gcode.machine import GcodeMachine
 from irb2400_ctrl.planners.toolpath.readers.gcode.macros.variables import Variables
-from irb2400_ctrl.planners.toolpath.readers.gcode.motion import GcodeMotion, moves
+from irb2400_ctrl.planners.toolpath.readers.gcode.motion import GcodeMotion
 from irb2400_ctrl.planners.toolpath.readers.gcode.rotary import LEFT_TURNED, Rotary
-from irb2400_ctrl.planners.toolpath.readers.gcode.splines import MODES as SPLINES
-from irb2400_ctrl.planners.toolpath.readers.gcode.state import AXES, ROTARY, GcodeState
+from irb2400_ctrl.planners.toolpath.readers.gcode.state import AXES, ROTARY, SPLINES, GcodeState
 from irb2400_ctrl.planners.toolpath.readers.gcode.subprograms import in_order
 from irb2400_ctrl.planners.toolpath.readers.gcode.swivel import swivel
 from irb2400_ctrl.planners.toolpath.readers.gcode.work_offsets import WorkOffsets
@@ -169,7 +169,7 @@ class _Reader:
             builder.note("assumed", "lines behind // are comments")
         values = block.checked(builder.place)
         codes = [round(code, 3) for code in block.codes("G")]
-        if {5, 5.1} & set(codes) and not moves(values, 2):
+        if {5, 5.1} & set(codes) and not moves(values, by_centre=True):
             # Fanuc's G5 P10000, G5.1 Q1; with places they are splines
             builder.note("ignored", "G5, G5.1: look-ahead")
             codes = [code for code in codes if code not in {5, 5.1}]
@@ -188,7 +188,7 @@ class _Reader:
             self._machine.make_ready(block.ready)
         used = self._special(codes, values, block.orders)
         self._set_motion(codes)
-        leads = not used and moves(values, 2 if self._state.vectors else self._state.motion)
+        leads = not used and moves(values, by_centre=self._state.by_centre)
         if leads and self._state.motion == 80:
             self._after_cycle()
         if leads:

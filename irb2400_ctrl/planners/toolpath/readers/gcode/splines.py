@@ -10,8 +10,6 @@ from irb2400_ctrl.planners.toolpath.readers.expansion import splines
 from irb2400_ctrl.planners.toolpath.readers.gcode.state import GcodeState
 from irb2400_ctrl.planners.toolpath.readers.program_builder import ProgramBuilder
 
-MODES = frozenset([5, 5.1, 6.2])
-
 
 class GcodeSplines:
     """Carries them out; G6.2 is collected over several blocks."""

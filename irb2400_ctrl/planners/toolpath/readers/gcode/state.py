@@ -14,6 +14,8 @@ from irb2400_ctrl.planners.toolpath.readers.feed import INCH, MM, Feed
 
 AXES = "XYZ"
 ROTARY = "ABC"
+SPLINES = frozenset([5, 5.1, 6.2])
+"""motions"""
 COOLANT = {7: "mist", 8: "flood", 9: "off"}
 """by the number of M"""
 # first and second axis of the plane, and its normal, so that G3 turns right-handed about the normal
@@ -80,6 +82,12 @@ class GcodeState:
     """words of the canned cycle in force; lengths in metres"""
     before_cycle: int | None = None
     """G0 or G1, as it was in force before the cycle"""
+
+    @property
+    def by_centre(self) -> bool:
+        """Whether I, J and K alone lead somewhere: a full circle needs its centre only, a turn on
+        the spot under G43.5 its vector."""
+        return self.vectors or self.motion in {2, 3, *SPLINES}
 
     @property
     def spindle(self) -> Spindle:
