@@ -5,12 +5,15 @@ from __future__ import annotations
 from dataclasses import replace
 from importlib.resources import files
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
 from identification.given_columns import fit_with
 
 import irb2400_ctrl as irb
+from irb2400_ctrl.identification.fitting import fit as fit_module
 from irb2400_ctrl.identification.fitting.choice import PINNED
 from irb2400_ctrl.identification.fitting.columns import ColumnLayout, Extra
 from irb2400_ctrl.identification.fitting.estimate import DOUBT, estimate
@@ -79,6 +82,29 @@ def test_friction_that_is_late_to_turn_is_no_reading(lacking: Lacking) -> None:
     # the same where it is as much in motion
     assert 1 in _unread(bare, bare.sums.summed)
     assert readings_of(fit(model, late)) == ()
+
+
+@pytest.mark.parametrize(
+    ("whole", "fast", "unread"),
+    [
+        # below zero by 4 and 1.5 standard errors, and as far in motion
+        ([-0.4, -0.15, 0.1], [-0.35, 0.0, 0.0], [0, 1]),
+        # not clearly in motion; clearly, but half of it
+        ([-0.31, -0.15, 0.1], [-0.19, 0.0, 0.0], []),
+        ([-0.8, -0.15, 0.1], [-0.40, 0.0, 0.0], []),
+        # one that is clear in motion, beside one that is not clear of all samples
+        ([-0.4, -0.25, 0.1], [0.0, -0.25, 0.0], []),
+        ([-0.29, 0.1, 0.1], [-0.29, 0.0, 0.0], []),
+    ],
+)
+def test_what_a_drive_does_not_read_it_lacks_in_motion(
+    monkeypatch: pytest.MonkeyPatch, whole: list[float], fast: list[float], unread: list[int]
+) -> None:
+    error = np.full(3, 0.1)
+    monkeypatch.setattr(fit_module, "_signed_rotors", lambda base, data: (np.array(data), error))
+    base: Any = SimpleNamespace(sums=SimpleNamespace(summed=lambda: whole))
+    given: Any = lambda: fast  # noqa: E731
+    assert _unread(base, given).tolist() == unread
 
 
 def test_a_rotor_beside_a_reading_is_none(lacking: Lacking) -> None:

@@ -15,9 +15,13 @@ from independent_plant.effects import Effect
 
 import irb2400_ctrl as irb
 from irb2400_ctrl.identification import Identification
-from irb2400_ctrl.identification.fitting.choice import MOST_LOSS, SURE, _gear_could
+from irb2400_ctrl.identification.fitting import choice as module
+from irb2400_ctrl.identification.fitting.choice import MOST_LOSS, SURE, Choice, _gear_could
 from irb2400_ctrl.identification.fitting.columns import ColumnLayout, Extra, columns, torque_of
-from irb2400_ctrl.identification.fitting.moments import Recording, heavier_half
+from irb2400_ctrl.identification.fitting.fit import fit
+from irb2400_ctrl.identification.fitting.moments import Recording, heavier_half, recordings
+from irb2400_ctrl.identification.fitting.motion_source import motion_of
+from irb2400_ctrl.identification.identified_robot import fit_base
 
 LOAD = Extra("load", 2)
 
@@ -87,6 +91,42 @@ def test_the_column_is_the_effect() -> None:
     theta[: layout.inertial] *= 1.3
     other = torque_of(model, layout, theta, *states) - 1.3 * load
     np.testing.assert_allclose(other, 1.3 * added, atol=1e-9)
+
+
+def test_the_gears_carry_nearly_the_bodies_that_are_found() -> None:
+    """Of a fit without such friction: a second one, with what the first had found, moved the
+    torque that they carry by three parts in a thousand."""
+    motion = motion_of(log_of(case(2)), "angle")
+    model = irb.Model(fit_base(possible_robot())[0])
+    found = fit(model, recordings([motion], [np.zeros_like(motion.tau)]))
+    states = (motion.q, motion.qd, motion.qdd)
+    carried = model.body_torque(*states, np.array(found.layout.pressing))
+    own = model.body_torque(*states, found.theta[:60])
+    assert (np.std(carried - own, axis=0) < 0.01 * np.std(own, axis=0)).all()
+
+
+@pytest.mark.parametrize("kind", ["power", "load"])
+@pytest.mark.parametrize(
+    ("gains", "reaches", "could", "shown"),
+    [
+        (True, True, True, True),
+        (False, True, True, False),
+        (True, False, True, False),
+        (True, True, False, False),
+    ],
+)
+def test_friction_is_taken_on_where_it_reaches_further(
+    monkeypatch: pytest.MonkeyPatch, kind: str, gains: bool, reaches: bool, could: bool, shown: bool
+) -> None:
+    monkeypatch.setattr(module, "_gains", lambda extra, trial, now: gains)
+    monkeypatch.setattr(module, "_gear_could", lambda extra, trial: could)
+    monkeypatch.setattr(Choice, "_reaches_further", lambda self, extra, trial, now: reaches)
+    nothing: Any = None
+    beyond: Any = {"power": nothing, "load": nothing}
+    choice = Choice(nothing, nothing, beyond, nothing, nothing)
+    # only a gear loses no more than so much
+    expected = shown or (kind == "power" and gains and reaches)
+    assert choice._shown(Extra(kind, 2), nothing, nothing) is expected
 
 
 @pytest.mark.parametrize(

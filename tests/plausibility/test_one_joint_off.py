@@ -116,3 +116,21 @@ def test_a_reading_that_explains_one_joint_alone_is_none() -> None:
     # the others hardly say which
     assert not for_one_joint(left(0.08, 0.06, 0.05, 0.05), labelled)
     assert not for_one_joint(left(0.02, 0.02, 0.02, 0.02), labelled)
+
+
+@pytest.mark.parametrize("costs_the_others", [True, False])
+def test_such_a_reading_is_not_given(
+    monkeypatch: pytest.MonkeyPatch, costs_the_others: bool
+) -> None:
+    """The search has it, far better by its sharp cost, and leaves it."""
+    monkeypatch.setattr(search, "for_one_joint", lambda one, other: costs_the_others)
+    monkeypatch.setattr(
+        search._Search, "sharp_cost", lambda self, reading, *misfits: 0.0 if reading.kind else 1e9
+    )
+    found: list[Any] = []
+    misread = search._Search.misread
+    monkeypatch.setattr(
+        search._Search, "misread", lambda self, *asked: found.append(misread(self, *asked))
+    )
+    understand(ROBOT, log(5, 4.0))
+    assert [one is None for one in found] == [costs_the_others]

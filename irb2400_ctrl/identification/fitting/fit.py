@@ -50,7 +50,9 @@ def fit(model: Model, parts: Sequence[Recording]) -> Fit:
     n = model.robot.n
     readings = tuple(Extra("reading", j + 1) for j in range(n))
     bare = _fitted_to(model, parts, ColumnLayout(n))
-    whole = _pressed(ColumnLayout(n, (*candidates(n), *readings)), bare)
+    # what such friction adds moves the bodies too little for the gears to carry another torque
+    pressing = tuple(bare.theta[: bare.layout.inertial].tolist())
+    whole = ColumnLayout(n, (*candidates(n), *readings), pressing)
     sums = moments(model, whole, parts)
     prior = prior_of(model.robot, whole, scale_of(parts))
 
@@ -69,15 +71,7 @@ def fit(model: Model, parts: Sequence[Recording]) -> Fit:
     if len(unread):
         read = of((*chosen, *(readings[j] for j in unread)))
         found = read if _more_probable(read, found) else found
-    if any(extra.kind == "load" for extra in found.layout.extras):
-        # the gears carry the bodies that were found, no longer those of a fit without such friction
-        found = _fitted_to(model, parts, _pressed(found.layout, found))
     return _settled(model, parts, found)
-
-
-def _pressed(layout: ColumnLayout, found: Fit) -> ColumnLayout:
-    """The layout with gears that carry the bodies of a fit."""
-    return replace(layout, pressing=tuple(found.theta[: layout.inertial].tolist()))
 
 
 def _fitted_to(model: Model, parts: Sequence[Recording], layout: ColumnLayout) -> Fit:
