@@ -53,6 +53,11 @@ ROUNDS = 3
 EVERY = 10
 """of so many samples one carries the uncertainty of the unloaded arm"""
 
+CONTRADICTED = (
+    "over these gains the torque channels do not agree on the bodies that all joints feel: the "
+    "logs are not read as the file says. Take torque_gain out of the robot file, and identify again"
+)
+
 Source = Literal["known load", "other joints", "robot file"]
 """what gains were found from"""
 
@@ -89,6 +94,11 @@ class Gains:
             for j in joints
         ]
         return robot.with_effects(*effects)
+
+    def doubted_by(self, fitted: Fit) -> list[str]:
+        """A line where a fit over the file's gains has channels that do not agree."""
+        kept = self.source == "robot file"
+        return [CONTRADICTED] if kept and gains_of_others(fitted) is not None else []
 
     def says(self) -> list[str]:
         """A line for each joint; one for all where other joints tell, or the file."""

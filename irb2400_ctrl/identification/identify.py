@@ -122,9 +122,9 @@ def _in_true_torque(robot: Robot, seen: Logs, others: Logs, gains: Gains) -> Ide
         robot: the file; seen, others: logs, and those that judge; gains: of the channels.
     """
     true, judges = ([gains.applied(log) for log in some] for some in (seen, others))
-    found, _ = _identified(without_gains(robot), true, judges, gains)
+    found, fitted = _identified(without_gains(robot), true, judges, gains)
     known = gains.in_robot(found.robot)
-    notes = [*found.notes, *gains.says()]
+    notes = [*found.notes, *gains.says(), *gains.doubted_by(fitted)]
     return replace(found, given=robot, robot=known, gains=gains, notes=notes)
 
 

@@ -16,7 +16,7 @@ import irb2400_ctrl as irb
 from irb2400_ctrl.effects import LIBRARY
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.identification import validate
-from irb2400_ctrl.identification.gains import Gains
+from irb2400_ctrl.identification.gains import CONTRADICTED, Gains
 from irb2400_ctrl.robot import Body
 
 ROBOT = possible_robot()
@@ -113,6 +113,7 @@ def test_gains_that_the_file_states_are_kept() -> None:
     assert told == {j + 1: stated[j] for j in np.flatnonzero(first.gains.known)}
     (line,) = [note for note in again.notes if "as the file has it (torque_gain)" in note]
     assert line.startswith("the torque of joints ")
+    assert CONTRADICTED not in again.notes
     # as sure as before, and of the arm in true torque
     (judged,) = again.logs
     assert (judged.error("before").rmse < 1.3 * judged.error("unseen").rmse).all()
@@ -120,6 +121,14 @@ def test_gains_that_the_file_states_are_kept() -> None:
         validate(first.robot, log(1, 0.0)).error.rmse, rel=0.1
     )
     np.testing.assert_allclose(again.robot.friction[:, 1], first.robot.friction[:, 1], rtol=0.1)
+
+
+def test_gains_that_are_no_longer_read_are_said() -> None:
+    """Torques that somebody has set right since, over gains that the file still has."""
+    given = identified().robot.model_copy(update={"identified": None})
+    raw = log(2, 0.0)
+    right = irb.Log(raw.time, raw.q, raw.tau / GAIN, q_ref=raw.q_ref)
+    assert CONTRADICTED in irb.identify(given, right).notes
 
 
 def test_a_reading_that_bends_is_no_gain() -> None:
