@@ -18,7 +18,13 @@ from irb2400_ctrl.controllers.timing import Timing
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.given import finite
 from irb2400_ctrl.model import Model
-from irb2400_ctrl.model.elasticity import elastic_data, elastic_joints, links_only, twist
+from irb2400_ctrl.model.elasticity import (
+    elastic_data,
+    elastic_joints,
+    links_only,
+    twist,
+    wound_torque,
+)
 from irb2400_ctrl.model.friction import FrictionLaw
 from irb2400_ctrl.robot import Robot
 
@@ -93,14 +99,14 @@ def arm_rate(robot: Robot, x: ca.SX, tau: ca.SX) -> ca.SX:
     soft = list(elastic_joints(robot))
     k = len(soft)
     q, link, qd, link_rate = ca.vertsplit(x, [0, n, n + k, 2 * n + k, 2 * (n + k)])
-    stiffness, damping, inertia, gap = (ca.DM(column) for column in elastic_data(robot).T)
+    stiffness, damping, inertia, gap, bent = (ca.SX(column) for column in elastic_data(robot).T)
     angles = ca.SX(q)
     speeds = ca.SX(qd)
     drive = tau - ca.DM(FrictionLaw.of(robot).viscous) * qd
     # in contact: on which side of its gap a joint stands is decided by the pose, and the slope is
     # the same
     side = 0.5 * gap * ca.sign(q[soft] - link)
-    spring = stiffness * (q[soft] - link - side) + damping * (qd[soft] - link_rate)
+    spring = wound_torque(q[soft] - link - side, stiffness, bent) + damping * (qd[soft] - link_rate)
     motors = (drive[soft] - spring) / inertia
     angles[soft] = link
     speeds[soft] = link_rate

@@ -3,22 +3,24 @@
 A joint with effects in its transmission (`elastic_joint`, `transmission_backlash`) has two angles,
 that of its motor q and that of its link l:
 
-    J qdd_motor + friction = tau - s,    s = k dead(q - l) + d (qd - ld) in contact, drives the
-    link,
+    J qdd_motor + friction = tau - s,    s = (k / a) sinh(a dead(q - l)) + d (qd - ld) in contact,
+    drives the link,
 
-dead(x) = x - clamp(x, -gap/2, gap/2), J the rotor's inertia reflected to the joint (`rotor_inertia`
-on that joint). Encoder, controller and dry friction are on the motor's side; the tool hangs on the
-link's.
+dead(x) = x - clamp(x, -gap/2, gap/2), a the stiffening (0: k dead(q - l)), J the rotor's inertia
+reflected to the joint (`rotor_inertia` on that joint). Encoder, controller and dry friction are on
+the motor's side; the tool hangs on the link's.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 
+import casadi as ca
 import numpy as np
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.effects import Effect
+from irb2400_ctrl.effects.transmission import STRAIGHT
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.model.model import Model
 from irb2400_ctrl.robot import Robot
@@ -47,8 +49,8 @@ def elastic_joints(robot: Robot) -> tuple[int, ...]:
 
 
 def elastic_data(robot: Robot) -> Array:
-    """Stiffness [Nm/rad], damping [Nm s/rad], rotor inertia [kg m2] and gap [rad] of each such
-    joint, shape (k, 4)."""
+    """Stiffness [Nm/rad], damping [Nm s/rad], rotor inertia [kg m2], gap [rad] and stiffening
+    [1/rad] of each such joint, shape (k, 5)."""
     rows = []
     for j in elastic_joints(robot):
         found = [e.transmission() for e in _in_transmissions(robot) if e.index == j]
@@ -60,13 +62,27 @@ def elastic_data(robot: Robot) -> Array:
         stiffness = _said([t.stiffness for t in found], link * (2 * np.pi * TEETH_Hz) ** 2)
         ratio = _said([t.damping for t in found], TEETH_DAMPING)
         gap = _said([t.gap for t in found], 0.0)
-        rows.append([stiffness, 2 * ratio * np.sqrt(stiffness * link), inertia, gap])
-    return np.array(rows, dtype=float).reshape(-1, 4)
+        stiffening = _said([t.stiffening for t in found], 0.0)
+        damping = 2 * ratio * np.sqrt(stiffness * link)
+        rows.append([stiffness, damping, inertia, gap, stiffening])
+    return np.array(rows, dtype=float).reshape(-1, 5)
 
 
 def twist(load: Array, data: Array) -> Array:
     """q - l at rest under the loads [Nm] of the elastic joints, shape (k,) [rad]."""
-    return load / data[:, 0] + 0.5 * data[:, 3] * np.sign(load)
+    stiffening = data[:, 4] + STRAIGHT
+    wound = np.arcsinh(stiffening * load / data[:, 0]) / stiffening
+    return np.asarray(wound + 0.5 * data[:, 3] * np.sign(load))
+
+
+def wound_torque(wound: ca.SX, stiffness: ca.SX, stiffening: ca.SX) -> ca.SX:
+    """Torque (k / a) sinh(a x) of springs wound by x beyond their gaps [Nm].
+
+    Args:
+        wound: x [rad]; stiffness: k [Nm/rad]; stiffening: a [1/rad]; of one shape.
+    """
+    bent = stiffening + STRAIGHT
+    return stiffness / bent * ca.sinh(bent * wound)
 
 
 def links_only(robot: Robot) -> Robot:

@@ -135,10 +135,10 @@ def _parameters(robot: Robot, elastic: NDArray[np.float64]) -> list[Field]:
         doc = "coefficients, fields and shape of each effect"
         parameters.append(Field("effects", len(numbers), "units of the effects", doc, numbers))
     if len(elastic):
-        unit = "Nm/rad, Nm s/rad, kg m2, rad"
-        doc = "stiffness, damping, rotor inertia, gap, column by column"
+        unit = "Nm/rad, Nm s/rad, kg m2, rad, 1/rad"
+        doc = "stiffness, damping, rotor inertia, gap, stiffening, column by column"
         springs = _column(ca.DM(elastic))
-        parameters.append(Field("elastic", 4 * len(elastic), unit, doc, springs))
+        parameters.append(Field("elastic", 5 * len(elastic), unit, doc, springs))
     return parameters
 
 
@@ -148,7 +148,7 @@ def _tables(given: dict[str, ca.SX], n: int, soft: int) -> list[ca.SX]:
         ca.reshape(given["phi"], n, 10),
         ca.reshape(given["friction"], n, 4),
         given.get("effects", ca.SX(0, 1)),
-        ca.reshape(given["elastic"], soft, 4) if soft else ca.SX(0, 4),
+        ca.reshape(given["elastic"], soft, 5) if soft else ca.SX(0, 5),
     ]
 
 

@@ -15,11 +15,13 @@ def check_step(robot: Robot, step: float) -> None:
     """The leapfrog is stable and accurate to a few per cent while omega h stays below 0.6.
 
     omega^2 = k (1/J + 1/M) is bounded from below by k/J, which is what can be checked without a
-    pose.
+    pose; a spring that stiffens has the k of the largest torque of its joint.
     """
-    for j, (stiffness, damping, inertia, _) in zip(
+    for j, (slack, damping, inertia, _, stiffening) in zip(
         elastic_joints(robot), elastic_data(robot), strict=True
     ):
+        most = robot.joints[j].limits.torque_Nm or 0.0
+        stiffness = np.hypot(slack, stiffening * most)
         if not inertia > 0:
             raise InputError(
                 f"joint {j + 1} is elastic and its rotor inertia is {inertia} kg m2; expected more "

@@ -22,6 +22,7 @@ import casadi as ca
 
 from irb2400_ctrl.effects.memory import next_memory
 from irb2400_ctrl.model import kinematics
+from irb2400_ctrl.model.elasticity import wound_torque
 from irb2400_ctrl.model.linear_solve import factorise
 from irb2400_ctrl.robot import Robot
 from irb2400_ctrl.simulation.dry_friction import Bounds, dry_friction_step
@@ -49,7 +50,7 @@ def time_step(
     x = _State.symbols(robot.n, len(soft), mechanics.memory_size)
     tau = ca.SX.sym("tau", robot.n)
     w = ca.SX.sym("wrench", 6 if wrench else 0)
-    elastic = ca.SX.sym("elastic", len(soft), 4)
+    elastic = ca.SX.sym("elastic", len(soft), 5)
     arguments = [*x.parts(), tau, w]
     arguments += [mechanics.phi, mechanics.table, mechanics.data, elastic]
 
@@ -163,7 +164,8 @@ def _friction_step(x: _State, held: _Held, part: float, sweeps: int) -> _State:
 
 
 def _spring_torque(x: _State, held: _Held, part: float) -> ca.SX:
-    """k (twist beyond the gap) + d twist rate of the elastic joints, where the teeth touch."""
+    """(k / a) sinh(a twist beyond the gap) + d twist rate of the elastic joints, where the teeth
+    touch."""
     soft = held.soft
     rate = x.qd[soft] - x.link_rate
     twist = x.q[soft] - x.link + 0.5 * part * rate
@@ -173,7 +175,8 @@ def _spring_torque(x: _State, held: _Held, part: float) -> ca.SX:
     twisting = rate + 0.5 * part * (x.qdd[soft] - x.link_acc)
     stiffness = held.elastic[:, 0]
     damping = held.elastic[:, 1]
-    return stiffness * wound + touching * damping * twisting
+    torque = wound_torque(wound, stiffness, held.elastic[:, 4])
+    return torque + touching * damping * twisting
 
 
 def _put(whole: ca.SX, places: list[int], values: ca.SX) -> ca.SX:

@@ -40,6 +40,7 @@ _UNARY: dict[int, Callable[[Any], Any]] = {
     ca.OP_ATAN: np.arctan,
     ca.OP_SINH: np.sinh,
     ca.OP_COSH: np.cosh,
+    ca.OP_ASINH: np.arcsinh,
     ca.OP_TANH: np.tanh,
     ca.OP_EXP: np.exp,
     ca.OP_LOG: np.log,

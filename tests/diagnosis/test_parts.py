@@ -13,6 +13,7 @@ import pytest
 from diagnosis.plain_motion import BASES, ROBOT, motion
 from scipy.integrate import solve_ivp
 
+from irb2400_ctrl.arrays import rms
 from irb2400_ctrl.diagnosis.estimation import fit as fit_module
 from irb2400_ctrl.diagnosis.estimation.candidate import Candidate
 from irb2400_ctrl.diagnosis.estimation.evidence import Problem, Score
@@ -291,14 +292,18 @@ def test_metrics_are_equations_75_to_77_and_the_floor_is_the_noise() -> None:
     assert noise_floor(residual, known, 0.004)[0] == pytest.approx(2.0, rel=0.03)
 
 
-def test_swing_and_slow_twist_together_are_the_link_on_its_spring() -> None:
+@pytest.mark.parametrize(("stiffening", "off"), [(0.0, 0.02), (1500.0, 0.15)])
+def test_swing_and_slow_twist_together_are_the_link_on_its_spring(
+    stiffening: float, off: float
+) -> None:
     """Both columns of an elastic joint against an integration of its equation; a slow motion has
     hardly any swing."""
     m = motion()
     k = 4e4
     zeta = 0.04
     j = 0
-    nonlinear = {"stiffness_Nm_rad": k, "damping_ratio": zeta}
+    straight = {"stiffness_Nm_rad": k, "damping_ratio": zeta}
+    nonlinear = {**straight, "stiffening_per_rad": stiffening}
     (law,) = BASES.columns("elastic_joint", 1, m, [nonlinear], filtered=False)
     swing, slow = law.values[:, law.joints.index(j)].T
     load = BASES.model.inverse_dynamics(m.q, m.qd, m.qdd, friction=False)[:, j]
@@ -307,12 +312,18 @@ def test_swing_and_slow_twist_together_are_the_link_on_its_spring() -> None:
 
     def rate(t: float, x: np.ndarray) -> list[float]:
         w2 = k / np.interp(t, time, inertia)
-        return [x[1], w2 * (np.interp(t, time, load) - x[0]) - 2 * zeta * np.sqrt(w2) * x[1]]
+        spring = k / stiffening * np.sinh(stiffening * x[0] / k) if stiffening else x[0]
+        return [x[1], w2 * (np.interp(t, time, load) - spring) - 2 * zeta * np.sqrt(w2) * x[1]]
 
-    found = solve_ivp(rate, (0.0, time[-1]), [load[0], 0.0], t_eval=time, max_step=2e-3, rtol=1e-8)
+    first = k / stiffening * np.arcsinh(stiffening * load[0] / k) if stiffening else load[0]
+    found = solve_ivp(rate, (0.0, time[-1]), [first, 0.0], t_eval=time, max_step=2e-3, rtol=1e-8)
     acceleration = np.array([rate(t, x)[1] for t, x in zip(time, found.y.T, strict=True)])
     whole = -inertia * acceleration / k  # nothing of axis 1's torque depends on q1
-    np.testing.assert_allclose(swing + slow, whole, atol=0.02 * np.abs(whole).max())
+    assert rms(swing + slow - whole) < off * rms(whole)
+    (law,) = BASES.columns("elastic_joint", 1, m, [straight], filtered=False)
+    of_straight = law.values[:, law.joints.index(j)].sum(axis=1)
+    # at most 3.4 times as stiff under its load
+    assert (rms(of_straight - whole) > 0.9 * rms(whole)) == (stiffening > 0)
 
     still = 2 * np.pi * 0.3 * time
     parts = [0.5 * (2 * np.pi * 0.3) ** n * np.cos(still + n * np.pi / 2) for n in range(5)]
@@ -321,7 +332,7 @@ def test_swing_and_slow_twist_together_are_the_link_on_its_spring() -> None:
     for row, part in zip(rows, parts, strict=True):
         row[:, j] = part
     calm = replace(m, **dict(zip(("q", "qd", "qdd", "qddd", "qdddd"), rows, strict=True)))
-    (law,) = BASES.columns("elastic_joint", 1, calm, [nonlinear], filtered=False)
+    (law,) = BASES.columns("elastic_joint", 1, calm, [straight], filtered=False)
     late = law.values[
         len(time) // 2 :, law.joints.index(j)
     ]  # what the beginning stirred up has died out

@@ -22,11 +22,19 @@ SPEED = np.array([0.5, -0.4, 0.3, 0.8, -0.6, 0.7])
 
 
 def elastic(
-    robot: Robot, joint: int = 1, stiffness: float = K, damping: float = Z, inertia: float = J
+    robot: Robot,
+    joint: int = 1,
+    stiffness: float = K,
+    damping: float = Z,
+    inertia: float = J,
+    stiffening: float = 0.0,
 ) -> Robot:
-    robot = with_effect(
-        robot, "elastic_joint", joint, {"stiffness_Nm_rad": stiffness, "damping_ratio": damping}
-    )
+    spring = {
+        "stiffness_Nm_rad": stiffness,
+        "damping_ratio": damping,
+        "stiffening_per_rad": stiffening,
+    }
+    robot = with_effect(robot, "elastic_joint", joint, spring)
     return with_effect(robot, "rotor_inertia", joint, {"inertia_kgm2": inertia})
 
 
@@ -45,12 +53,15 @@ def free_swing(robot: Robot, steps: int, count: int, twist: float) -> dict[str, 
     return plant.split(fields, states[::steps])
 
 
-def test_converges_to_the_adaptive_solution_with_second_order() -> None:
-    robot = elastic(without_friction(arm()))
+@pytest.mark.parametrize("stiffening", [0.0, 150.0])
+def test_converges_to_the_adaptive_solution_with_second_order(stiffening: float) -> None:
+    robot = elastic(without_friction(arm()), stiffening=stiffening)
     D = 2 * Z * np.sqrt(K * Model(arm()).mass_matrix(np.zeros(6))[0, 0])
     links = Model(without_friction(arm())).function("forward_dynamics_without_friction")
     x = ca.SX.sym("x", 14)  # links, their speeds, motor 1, its speed
-    spring = K * (x[12] - x[0]) + D * (x[13] - x[6])
+    twist = x[12] - x[0]
+    wound = K * ca.sinh(stiffening * twist) / stiffening if stiffening else K * twist
+    spring = wound + D * (x[13] - x[6])
     tau = ca.vertcat(spring, ca.SX.zeros(5))
     rate = ca.vertcat(x[6:12], links(x[:6], x[6:12], tau, 0), x[13], -spring / J)
     solver = ca.integrator(
@@ -78,12 +89,16 @@ def test_a_stiff_joint_is_a_rigid_one_with_its_rotor() -> None:
     assert np.abs(soft.signals["q_link"] - soft.q)[:, 0].max() < 2e-4
 
 
-def test_hangs_in_its_spring_at_rest() -> None:
-    plant = elastic(arm(), 3, 5e4, 0.1, 5.0)
+@pytest.mark.parametrize("stiffening", [0.0, 2000.0])
+def test_hangs_in_its_spring_at_rest(stiffening: float) -> None:
+    plant = elastic(arm(), 3, 5e4, 0.1, 5.0, stiffening)
     run = simulate(arm(), quintic_move(START, START, 0.4), "feedforward_pid", plant=plant)
     twist = run.q[-1] - run.signals["q_link"][-1]
     weight = Model(arm()).gravity(run.signals["q_link"][-1])
-    assert twist[2] == pytest.approx(weight[2] / 5e4, rel=1e-3)
+    straight = weight[2] / 5e4
+    wound = np.arcsinh(stiffening * straight) / stiffening if stiffening else straight
+    assert twist[2] == pytest.approx(wound, rel=1e-3)
+    assert abs(wound) < (0.8 if stiffening else 1.01) * abs(straight)
     assert np.abs(np.delete(twist, 2)).max() == 0
     # the encoder sits on the motor: the drive sees no error, the tool hangs low
     assert np.abs(run.q - START).max() < 1e-5
@@ -121,7 +136,7 @@ def test_without_a_rotor_a_share_of_the_axis_is_assumed() -> None:
     robot = with_effect(arm(), "elastic_joint", 2, {"stiffness_Nm_rad": 1e5})
     M = Model(arm()).mass_matrix(np.zeros(6))
     np.testing.assert_allclose(
-        elastic_data(robot), [[1e5, 0.1 * np.sqrt(1e5 * M[1, 1]), ROTOR_SHARE * M[1, 1], 0.0]]
+        elastic_data(robot), [[1e5, 0.1 * np.sqrt(1e5 * M[1, 1]), ROTOR_SHARE * M[1, 1], 0.0, 0.0]]
     )
 
 
@@ -132,6 +147,9 @@ def test_refuses_what_the_step_cannot_resolve() -> None:
         plant_block(with_effect(elastic(arm()), "elastic_joint", 1, {"stiffness_Nm_rad": 1e4}))
     with pytest.raises(InputError, match="more than 0"):
         plant_block(elastic(arm(), inertia=0.0))
+    # at the largest torque of its joint it is 5000 times as stiff
+    with pytest.raises(InputError, match="times as many substeps"):
+        plant_block(elastic(arm(), stiffening=5000 * K / arm().tau_max[0]))
 
 
 def test_backlash_leaves_the_link_half_a_gap_below_its_motor() -> None:

@@ -10,7 +10,7 @@ from irb2400_ctrl.arrays import Array
 
 KEPT = 2
 """how many of the best of a grid are scored with discrepancy"""
-FURTHER_PEAKS = 3
+FURTHER_PEAKS = 6
 """how many further peaks are, where the best are of no plausible numbers (a resonance far too low
 that swings the wrong way fits better than the true one while friction beside it is not found), and
 of a transmission always: its own joint alone ranks a resonance that all others contradict first"""
