@@ -129,3 +129,35 @@ def test_words_in_all_cells_of_the_angles_are_no_warning(tmp_path: Path) -> None
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         assert 'unit = "rad"' in shown(written(tmp_path / "log.csv", columns))
+
+
+def test_poses_plans_and_rates_of_torques_are_no_joint_signals(tmp_path: Path) -> None:
+    """The pose of the tool was shown as the angles of the joints."""
+    columns = {"ts": T, "robo_pose_{j}": 0 * Q, "q_opt_{j}": Q + 1.0, "robo_joint_angles_{j}": Q}
+    columns |= {"tau_dot_{j}": 0 * TAU, "robo_joint_effort_{j}": TAU, "dtheta_{j}": SPEED}
+    path = written(tmp_path / "log.csv", columns)
+    told = shown(path)
+    assert 'column = "ts"' in told
+    assert 'file = "q_opt_{j}"\nquantity = "q_ref"' in told
+    assert "of the same kind" not in told
+    found = read_log(path, columns=tmp_path / "map.toml")
+    same(found, LOG)
+    np.testing.assert_allclose(found.qd, SPEED, atol=1e-8)
+
+
+def test_whole_numbers_in_the_thousands_are_counts_of_an_encoder(tmp_path: Path) -> None:
+    """A drive's position actual value was shown as degrees, and its speeds beside it."""
+    columns = {"t": T, "Slave{j0}.ActualPosition": np.round(131072 * Q)}
+    columns |= {"Slave{j0}.ActualVelocity": np.round(1e3 * SPEED), "Slave{j0}.ActualTorque": TAU}
+    path = written(tmp_path / "log.csv", columns)
+    told = shown(path)
+    assert "ActualVelocity" not in told
+    (tmp_path / "map.toml").write_text(told.replace("nan", str(0.5 / np.pi / 131072)), "utf-8")
+    same(read_log(path, columns=tmp_path / "map.toml"), LOG, 1e-5)
+
+
+def test_a_time_that_counts_by_one_may_count_rows(tmp_path: Path) -> None:
+    columns = {"Tick": np.arange(len(T)), "q_{j}": Q, "tau_{j}": TAU}
+    assert 'unit = "ms"   # or it counts rows' in shown(written(tmp_path / "log.csv", columns))
+    columns["Tick"] = 1e3 * T
+    assert "counts rows" not in shown(written(tmp_path / "log.csv", columns))

@@ -21,12 +21,12 @@ from irb2400_ctrl.measurement.columns.two_part_time import COUNTED, time_pair
 
 OTHERS = re.compile(
     r"acc|qdd|ddq|ddot|err|ext|grav|limit|temp(?!s)|volt|tcp|cart|wrench|jerk|collision|inertia|dist"
-    r"|power|(?<!joint)(?<!joint_)(?<!axis_)force"
+    r"|power|pose(?![a-z])|dtau|tau_?dot|(?<!joint)(?<!joint_)(?<!axis_)force"
     r"|加速|温|電圧"
 )
 COMMANDED = re.compile(
     r"ref|cmd|comm|action|target|des|goal|set|soll|plan(?!e)|nominal|comput|aspos|[a-z]_d(?![a-z])"
-    r"|指令|目標|consigne"
+    r"|(?<![a-z])opt(?![a-z])|指令|目標|consigne"
 )
 MEASURED = re.compile(r"act(?!uator|ion)|meas|msr|mes|real|(?<!wr)ist|fb|feed|state")
 TORQUE = (
@@ -44,7 +44,7 @@ CURRENT = (
 QUANTITIES = {
     "tau": rf"{TORQUE}|{CURRENT}|(?<!co)eff|load|force|(?<![a-z])m_?(?=act|targ)|^m?t\W*$"
     rf"|{NEWTON_METRES}",
-    "qd": r"vel|speed|dot|dq|qd|qv|qp(?!os)|omega|ω|geschw|vitesse|速度"
+    "qd": r"vel|speed|dot|dq|dtheta|qd|qv|qp(?!os)|omega|ω|geschw|vitesse|速度"
     rf"|(?:deg|rad|°)(?:/|p|_|_per_)s|{TURNS_A_MINUTE}",
     "q": r"pos|ang|(?<!e)q|theta|θ|rax|joint|jnt|axis|achse|winkel|^([aj]|jt|mp)\W*$|state\W*$"
     rf"|{DEGREE_OR_RAD}|{TURNS}|{PULSES}"
@@ -52,7 +52,7 @@ QUANTITIES = {
 }
 """what a name means, asked in this order"""
 TIME = re.compile(
-    r"(.*[^a-z])?(times?|t|tm|tout|time_?stamps?|stamp|zeit|zeitstempel|tick|ipoc|sec|temps|tempo|tiempo|時間|时间)"
+    r"(.*[^a-z])?(times?|ts|t|tm|tout|time_?stamps?|stamp|zeit|zeitstempel|tick|ipoc|sec|temps|tempo|tiempo|時間|时间)"
     r"([^a-z].*)?"
 )
 BARE = re.compile(r"\W*(a|j|jt|joint|jnt|axis|achse|axe|asse|eje|軸|轴|关节|関節)?\W*")
@@ -68,6 +68,8 @@ NAMED = "{name}"
 MOST_JOINTS = 16
 DEGREES = 7.0
 """an angle beyond this is hardly in radians"""
+COUNTS = 3600.0
+"""whole numbers beyond this are hardly degrees"""
 NEEDED = "and a log needs them (of signals in files of their own, put the columns into one)"
 ALONE = (
     "not measured: record the measured ones, or say in a column map that they are to be taken "
@@ -110,14 +112,15 @@ def suggested_map(columns: Mapping[str, Array], joints: Sequence[str] | None = N
         return ""
     names = {quantity: patterns[pattern] for quantity, (*_, pattern) in chosen.items()}
     angles = np.column_stack([columns[name] for name in names["q"]])
-    degrees = bool((np.abs(angles) > DEGREES).any())
+    size = _size(angles)
     lines = _time(columns, len(angles))
     for quantity in ("q", "qd", "tau", "q_ref"):
-        if quantity in names:
+        # the speeds of counted angles are in any unit
+        if quantity in names and (quantity != "qd" or size != "counts"):
             pattern = chosen[quantity][-1]
             taken = set(names[quantity])
             others = [other for other in rivals[quantity] if not taken >= set(patterns[other])]
-            entry = _entry(quantity, pattern, names[quantity], degrees)
+            entry = _entry(quantity, pattern, names[quantity], size)
             lines += _wrapped(entry, angles) if quantity == "q" else entry
             if joints and len(names[quantity]) > len(joints):
                 lines[-1:] = [
@@ -200,6 +203,14 @@ def _named(columns: Mapping[str, Array], joints: Sequence[str]) -> dict[str, lis
     }
 
 
+def _size(angles: Array) -> str:
+    """What angles whose names state no unit look like: "rad", "deg" or "counts"."""
+    there = angles[np.isfinite(angles)]
+    if (np.abs(there) > COUNTS).any() and (there == np.round(there)).all():
+        return "counts"
+    return "deg" if (np.abs(there) > DEGREES).any() else "rad"
+
+
 def _wrapped(entry: list[str], angles: Array) -> list[str]:
     """The tables of angles; said in them where some go on a whole turn off from one row to the next
     and never by a good part of one."""
@@ -243,13 +254,17 @@ def _time(columns: Mapping[str, Array], rows: int) -> list[str]:
         if len(values) == rows and TIME.fullmatch(name.lower()):
             scale = unit_by_step(values)
             unit = {1e-3: "ms", 1e-6: "us", 1e-7: "ticks", 1e-9: "ns"}.get(scale, "s")
-            return ["[time]", f'column = "{name}"', f'unit = "{unit}"', ""]
+            rows_alone = len(values) > 1 and bool((np.diff(values) == 1.0).all())
+            doubt = (
+                "   # or it counts rows: then rate_Hz in the place of column and unit" * rows_alone
+            )
+            return ["[time]", f'column = "{name}"', f'unit = "{unit}"{doubt}', ""]
     return ["[time]", "rate_Hz = nan   # samples a second: no column is called as a time is", ""]
 
 
-def _entry(quantity: str, pattern: str, names: Sequence[str], degrees: bool) -> list[str]:
+def _entry(quantity: str, pattern: str, names: Sequence[str], size: str) -> list[str]:
     """One table of the map; one for each joint where a name stands in the place of a number."""
-    told = [f'quantity = "{quantity}"', *_unit(quantity, pattern.lower(), degrees), ""]
+    told = [f'quantity = "{quantity}"', *_unit(quantity, pattern.lower(), size), ""]
     if NAMED not in pattern:
         return ["[[columns]]", f'file = "{pattern}"', *told]
     tables = [
@@ -259,7 +274,7 @@ def _entry(quantity: str, pattern: str, names: Sequence[str], degrees: bool) -> 
     return [line for table in tables for line in table]
 
 
-def _unit(quantity: str, words: str, degrees: bool) -> list[str]:
+def _unit(quantity: str, words: str, size: str) -> list[str]:
     """What stands in a table about the unit."""
     gear = "gear_ratio = nan   # motor turns per joint turn, signed"
     motor = [f"{gear}; 1 if it is the joint's"]
@@ -267,10 +282,10 @@ def _unit(quantity: str, words: str, degrees: bool) -> list[str]:
         return _unit_of_torque(words, gear, motor if MOTOR.search(words) else [])
     if re.search(TURNS_A_MINUTE if quantity == "qd" else TURNS, words):
         return [f'unit = "{"rpm" if quantity == "qd" else "rev"}"', *motor]
-    if re.search(PULSES, words):
-        return ['unit = "rev"', "factor = nan   # turns of the joint a pulse, signed"]
     stated = re.search(DEGREE_OR_RAD, words)
-    in_degrees = degrees if stated is None else stated[0] != "rad"
+    if re.search(PULSES, words) or (stated is None and size == "counts"):
+        return ['unit = "rev"', "factor = nan   # turns of the joint a pulse, signed"]
+    in_degrees = size == "deg" if stated is None else stated[0] != "rad"
     return [f'unit = "{UNITS[quantity][in_degrees]}"', *motor * bool(MOTOR.search(words))]
 
 
