@@ -148,3 +148,17 @@ def test_positions_that_count_from_1_are_the_joints_from_the_first(tmp_path: Pat
     log = read_log(path, names=["base", "elbow", "wrist"])
     np.testing.assert_allclose(log.q, q, atol=1e-9)
     np.testing.assert_allclose(log.tau, tau, atol=1e-8)
+
+
+@pytest.mark.parametrize("start", [0.0, 0.9])
+def test_zeros_behind_a_record_are_left_out(tmp_path: Path, start: float) -> None:
+    """An array longer than the record: the time fell back to zero, and the log was refused."""
+    time, q, tau = _motion()
+    whole = np.column_stack([time - time[0] + start, q, tau])
+    rows = np.vstack([whole, np.zeros((25, whole.shape[1]))])
+    names = ["time_s", *(f"q{j}_rad" for j in (1, 2, 3)), *(f"tau{j}_Nm" for j in (1, 2, 3))]
+    path = tmp_path / "log.csv"
+    np.savetxt(path, rows, "%.9f", ",", header=",".join(names))
+    log = read_log(path)
+    np.testing.assert_allclose(log.time, whole[:, 0], atol=1e-9)
+    np.testing.assert_allclose(log.tau, tau, atol=1e-8)
