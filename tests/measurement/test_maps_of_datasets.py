@@ -79,6 +79,15 @@ def test_i_and_m_are_currents_and_torques(tmp_path: Path) -> None:
     assert 'file = "i_actual_{j0}"\nquantity = "tau"\nunit = "A"\nNm_per_A = nan' in told
 
 
+def test_what_goes_into_an_arm_is_a_torque_or_a_current(tmp_path: Path) -> None:
+    """Control engineers call it u; it was no torque at all."""
+    path = written(tmp_path / "log.csv", {"data.time": T, "data.q[{j}]": Q, "data.u[{j}]": TAU})
+    assert 'unit = "Nm"   # or a current' in shown(path)
+    same(read_log(path, columns=tmp_path / "map.toml"), LOG)
+    columns = {"t": T, "joint_p_{j}": Q, "joint_u_{j}": 0 * TAU, "torque_meas_{j}": TAU}
+    assert 'file = "torque_meas_{j}"\nquantity = "tau"' in shown(written(path, columns))
+
+
 def test_times_are_a_time(tmp_path: Path) -> None:
     columns = {"times": T, "positions_{j}": Q, "torques_{j}": TAU}
     path = written(tmp_path / "log.csv", columns)

@@ -43,7 +43,7 @@ CURRENT = (
 )
 QUANTITIES = {
     "tau": rf"{TORQUE}|{CURRENT}|(?<!co)eff|load|force|(?<![a-z])m_?(?=act|targ)|^m?t\W*$"
-    rf"|{NEWTON_METRES}",
+    rf"|(?<![a-z])u(?![a-z])|{NEWTON_METRES}",
     "qd": r"vel|speed|dot|dq|dtheta|qd|qv|qp(?!os)|omega|ω|geschw|vitesse|速度"
     rf"|(?:deg|rad|°)(?:/|p|_|_per_)s|{TURNS_A_MINUTE}",
     "q": r"pos|ang|(?<!e)q|theta|θ|rax|joint|jnt|axis|achse|winkel|^([aj]|jt|mp)\W*$|state\W*$"
