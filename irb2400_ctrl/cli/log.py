@@ -122,6 +122,8 @@ def lines(check: LogCheck) -> list[str]:
         against = "" if check.robot is None else f" and fits {check.robot}"
         if check.robot is not None and check.left is None:
             against = f"; not held against {check.robot}"
+        elif check.robot is not None and not check.told:
+            against = f"; nothing in it tells whether it is of {check.robot}"
         found.append(f"sound: the log is what its columns say{against}")
     else:
         assert check.problem is not None
@@ -131,6 +133,7 @@ def lines(check: LogCheck) -> list[str]:
 
 def _some(channels: Sequence[str]) -> str:
     """The first names; a recorder may write a hundred others."""
+    channels = [name for name in channels if name.strip()]
     others = len(channels) - MOST_NAMED
     return ", ".join(channels[:MOST_NAMED]) + (f" and {others} others" if others > 0 else "")
 

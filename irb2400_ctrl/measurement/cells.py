@@ -46,6 +46,25 @@ def without_doubled_rows(table: Table, used: set[str]) -> Table:
     return replace(table, columns=columns, rows=rows[keep])
 
 
+def without_zeros_behind(table: Table, used: set[str], time: str) -> Table:
+    """Without the last rows of nothing but zeros, the time too, of an array that was longer than
+    the record.
+
+    Args:
+        table: the rows; used: the columns that matter; time: the one of them that is the time.
+    """
+    zero = np.ones(len(table.columns[time]), dtype=bool)
+    for name in used:
+        zero &= table.columns[name] == 0.0
+    there = np.flatnonzero(~zero)
+    if not zero[-1:].any() or not len(there) or table.columns[time][there[-1]] <= 0.0:
+        return table
+    keep = slice(int(there[-1]) + 1)
+    rows = None if table.rows is None else table.rows[keep]
+    columns = {name: values[keep] for name, values in table.columns.items()}
+    return replace(table, columns=columns, rows=rows)
+
+
 def all_finite(table: Table, used: set[str]) -> None:
     """Refuse cells that are not finite numbers in the columns that matter, and say where they
     are."""

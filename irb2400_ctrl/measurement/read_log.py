@@ -22,7 +22,12 @@ from irb2400_ctrl.measurement.binary_table import (
     read_npz_table,
     read_parquet_table,
 )
-from irb2400_ctrl.measurement.cells import all_finite, without_blank_rows, without_doubled_rows
+from irb2400_ctrl.measurement.cells import (
+    all_finite,
+    without_blank_rows,
+    without_doubled_rows,
+    without_zeros_behind,
+)
 from irb2400_ctrl.measurement.columns.column_map import ColumnMap, load_column_map
 from irb2400_ctrl.measurement.columns.understood import clock_of, understood
 from irb2400_ctrl.measurement.csv_table import read_csv_table
@@ -128,7 +133,7 @@ def log_of(
     used = {time[0], *(name for places in found.values() for name in places.values())}
     table = without_blank_rows(table, used - {time[0]})
     all_finite(table, used)
-    table = without_doubled_rows(table, used)
+    table = without_doubled_rows(without_zeros_behind(table, used, time[0]), used)
     found = {signal: places for signal, places in found.items() if places}
     signals = {signal: _stacked(table, places, scales, n) for signal, places in found.items()}
     stamps = _frozen(table.columns.pop(time[0]) * time[1])

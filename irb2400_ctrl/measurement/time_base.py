@@ -86,12 +86,18 @@ def time_base(log: Log) -> TimeBase:
     if len(stamps) < LEAST:
         return TimeBase(stamps, float(np.median(np.diff(stamps))), 0.0, 0.0)
     best: tuple[float, Array, float] | None = None
+    exact: TimeBase | None = None
     rough_stamps = _roughness(log.q, stamps)
     for finer in range(1, FINER + 1):
         lattices = _lattices(stamps, finer)
         instants, step = lattices[0]
-        if np.std(stamps - instants) < EVEN:
-            return TimeBase(stamps, step, float(np.std(stamps - instants)), _lost(instants, step))
+        near = float(np.std(stamps - instants))
+        if near < EVEN:
+            exact = TimeBase(stamps, step, near, _lost(instants, step))
+            if finer == 1:
+                return exact
+            # the digits of a clock are such a lattice, too: the angles know
+            break
         ratios = [_ratio(_roughness(log.q, one), rough_stamps) for one, _ in lattices]
         # stamps that scatter by more than a quarter of a period are near to wrong lattices as
         # well: the angles know
@@ -112,6 +118,8 @@ def time_base(log: Log) -> TimeBase:
     slope, error = _slope(log, even)
     told = error < SURE and abs(slope) < DECIDED + 2.0 * error
     rebuilt = scatter > EVEN and told and rough < SMOOTHER
+    if exact is not None and not rebuilt:
+        return exact
     time = even if rebuilt else stamps
     return TimeBase(time, step, scatter, _lost(even, step), slope, rebuilt)
 

@@ -69,6 +69,11 @@ class LogCheck:
         """Whether the log can be what its columns say."""
         return self.problem is None
 
+    @property
+    def told(self) -> bool:
+        """Whether the robot's model explains the torque of half of the joints and more."""
+        return self.left is not None and float(np.median(self.left)) <= UNEXPLAINED
+
     def to_json(self) -> dict[str, Any]:
         """As `irb2400 log check --json` prints it."""
         return {
@@ -297,8 +302,8 @@ def _remarks(robot: Robot | None, log: Log) -> list[str]:
         )
     idle = [j + 1 for j in range(log.n) if np.ptp(log.q[:, j]) < 0.02]
     if idle:
-        moves = "moves" if len(idle) == 1 else "move"
-        found.append(f"{named(idle)} hardly {moves}: nothing can be said about it")
+        moves, of = ("moves", "it") if len(idle) == 1 else ("move", "them")
+        found.append(f"{named(idle)} hardly {moves}: nothing can be said about {of}")
     return found
 
 

@@ -46,6 +46,17 @@ def test_a_log_that_is_too_short_to_be_held_against_the_robot_does_not_fit_it(
     assert said == ("sound: the log is what its columns say; not held against ABB IRB 2400")
 
 
+def test_a_log_of_torques_without_a_motion_does_not_fit_the_robot(tmp_path: Path) -> None:
+    """Its torques were unexplained, its angles another column's, and it was said to fit."""
+    log = part(10.0)
+    done = run("log", "check", write_log(Log(log.time, 1e-3 * log.q, log.tau), tmp_path / "a.csv"))
+    assert done.returncode == 0, done.stderr
+    assert "hardly move: nothing can be said about them" in done.stdout
+    assert done.stdout.splitlines()[-1] == (
+        "sound: the log is what its columns say; nothing in it tells whether it is of ABB IRB 2400"
+    )
+
+
 def test_of_many_other_columns_the_first_are_named(tmp_path: Path) -> None:
     """A recorder of 78 columns filled twelve lines with them."""
     log = part(10.0)
@@ -53,6 +64,14 @@ def test_of_many_other_columns_the_first_are_named(tmp_path: Path) -> None:
     path = write_log(replace(log, extra=extra), tmp_path / "log.csv")
     head = run("log", "check", path).stdout.splitlines()[0]
     assert head.endswith("temperature_8 and 31 others")
+
+
+def test_a_column_without_a_name_is_not_named(tmp_path: Path) -> None:
+    """The index of a data frame: the list ended in a comma."""
+    names, *rows = write_log(part(10.0), tmp_path / "a.csv").read_text("utf-8").splitlines()
+    indexed = [f",{names}", *(f"{k},{row}" for k, row in enumerate(rows))]
+    (tmp_path / "a.csv").write_text("\n".join(indexed) + "\n", "utf-8")
+    assert run("log", "check", tmp_path / "a.csv").stdout.splitlines()[0].endswith("time, q, tau")
 
 
 def test_a_misread_log_exits_2_with_what_would_fit(tmp_path: Path) -> None:

@@ -171,3 +171,17 @@ def test_it_is_said_how_far_confirmed_bodies_went() -> None:
 def test_nothing_is_confirmed_beside_what_speaks_against_it() -> None:
     assert not of_the_bodies([body(5.0)], [judged([4.0, 3.0], [4.0, 3.0])], False)
     assert not of_the_bodies([body(1.0)], [judged([4.0, 3.0], [4.0, 3.0])], True)
+
+
+@pytest.mark.parametrize(("share", "said"), [(0.004, True), (0.02, False)])
+def test_torques_without_friction_are_a_models(share: float, said: bool) -> None:
+    """`target_moment` of a Universal Robot, taken for the measured torque, was not remarked on."""
+    layout = ColumnLayout(4)
+    theta = np.ones(layout.count)
+    theta[layout.drive("viscous")] = 1e-4
+    theta[layout.drive("coulomb")] = [0.1, 0.1, 10.0 * share, 5.0]
+    found: Any = SimpleNamespace(layout=layout, theta=theta)
+    # the last joint rests: nothing shows its friction
+    scale = (np.array([100.0, 50.0, 10.0, 1.0]), np.array([1.0, 1.0, 1.0, 0.0]))
+    notes = notes_of((), found, np.eye(layout.count), "", scale)
+    assert [note.startswith("the torques hold no friction") for note in notes] == [True] * said

@@ -102,12 +102,14 @@ WRITTEN = {
     "half a day": [f"{1 + k // 3600000:02d}:{k // 60000:02d}:{k / 1000:06.3f} PM" for k in MS],
     "minutes and seconds": [f"{k // 60000:02d}:{k / 1000:06.3f}" for k in MS],
     "durations": [f"{k / 1000:g} sec" for k in MS],
+    "a date and a stroke": [f"2023/07/22/00:{k // 60000:02d}:{k / 1000:09.6f}" for k in MS],
 }
 
 
 @pytest.mark.parametrize("name", WRITTEN)
 def test_a_time_in_words_is_read(name: str, tmp_path: Path) -> None:
-    """Spreadsheets in English write PM, or no hours; MATLAB's timetables `0.004 sec`."""
+    """Spreadsheets in English write PM, or no hours; MATLAB's timetables `0.004 sec`; converters of
+    bags no blank behind the date."""
     begun = ["2024-05-04 12:00:00.000"] * len(MS)
     columns = [begun, WRITTEN[name], *Q, *TAU]
     log = read_log(written(tmp_path / "a.csv", table(["Begun", "Time", *SIGNALS], columns)))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -98,3 +99,32 @@ def test_a_speed_beside_degrees_has_the_unit_that_the_clock_says(
     assert f'unit = "{unit}"' in told(path)
     found = read_as_shown(path)
     np.testing.assert_allclose(found.qd, SPEED, atol=1e-9)
+
+
+def test_accelerations_are_no_torques(tmp_path: Path) -> None:
+    """Tables of regressions hold them before the torques; they were shown in their place."""
+    acceleration = np.gradient(SPEED, LOG.time, axis=0)
+    path = table(tmp_path / "log.csv", T, LOG.q, SPEED, acceleration, LOG.tau)
+    found = read_as_shown(path)
+    np.testing.assert_allclose(found.q, LOG.q, atol=1e-12)
+    np.testing.assert_allclose(found.tau, LOG.tau, atol=1e-12)
+    same(read_as_shown(table(path, T, acceleration, LOG.tau, SPEED, LOG.q)), LOG)
+
+
+@pytest.mark.parametrize("timed", [True, False])
+def test_angles_beside_torques_alone(tmp_path: Path, timed: bool) -> None:
+    """The torques of a drive are noisy, and gravity's depend on the angles."""
+    log = replace(LOG, tau=LOG.tau + 0.05 * NOISE)
+    if timed:
+        path = table(tmp_path / "log.csv", T, log.q, log.tau)
+        same(read_as_shown(path), log)
+    else:
+        path = table(tmp_path / "log.csv", log.tau, log.q)
+        same(read_as_shown(path, ("rate_Hz = nan", "rate_Hz = 250")), log)
+    assert "a command, a computed torque: nothing says it" in told(path)
+
+
+def test_one_signal_in_a_table_without_names_needs_the_others(tmp_path: Path) -> None:
+    assert "7 columns cannot hold angles and torques of 6 joints" in told(
+        table(tmp_path / "log.csv", T, LOG.q)
+    )

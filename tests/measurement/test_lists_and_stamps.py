@@ -117,3 +117,48 @@ def test_lists_and_stamps_that_cannot_be_are_refused(tmp_path: Path) -> None:
     )
     with pytest.raises(InputError, match=r"are both the position of joint 1"):
         read_log(path)
+
+
+def test_a_list_over_several_cells_keeps_its_brackets(tmp_path: Path) -> None:
+    """Of every row's first and last joint the cell was no number."""
+    time, q, tau = _motion()
+    names = ["time_s", *(f"{of} (J{j})" for of in ("Angle", "Torque") for j in (1, 2, 3))]
+    lines = [",".join(names)]
+    for k, at in enumerate(time):
+        lists = [f"({', '.join(f'{v:.9f}' for v in row)})" for row in (q[k], tau[k])]
+        lines.append(f"[{at:.3f}, {', '.join(lists)}]")
+    path = tmp_path / "log.csv"
+    path.write_text("\n".join(lines) + "\n")
+    columns = tmp_path / "map.toml"
+    columns.write_text(
+        '[[columns]]\nfile = "Angle (J{j})"\nquantity = "q"\nunit = "rad"\n'
+        '[[columns]]\nfile = "Torque (J{j})"\nquantity = "tau"\nunit = "Nm"\n'
+    )
+    log = read_log(path, columns=columns)
+    np.testing.assert_allclose(log.q, q, atol=1e-9)
+    np.testing.assert_allclose(log.tau, tau, atol=1e-8)
+
+
+def test_positions_that_count_from_1_are_the_joints_from_the_first(tmp_path: Path) -> None:
+    """They were "joint 2, joint 3, joint 4", and no joints of the robot's."""
+    time, q, tau = _motion()
+    names = ["time", *(f"{of}_{j}" for of in ("position", "effort") for j in (1, 2, 3))]
+    path = tmp_path / "log.csv"
+    np.savetxt(path, np.column_stack([time, q, tau]), "%.9f", ",", header=",".join(names))
+    log = read_log(path, names=["base", "elbow", "wrist"])
+    np.testing.assert_allclose(log.q, q, atol=1e-9)
+    np.testing.assert_allclose(log.tau, tau, atol=1e-8)
+
+
+@pytest.mark.parametrize("start", [0.0, 0.9])
+def test_zeros_behind_a_record_are_left_out(tmp_path: Path, start: float) -> None:
+    """An array longer than the record: the time fell back to zero, and the log was refused."""
+    time, q, tau = _motion()
+    whole = np.column_stack([time - time[0] + start, q, tau])
+    rows = np.vstack([whole, np.zeros((25, whole.shape[1]))])
+    names = ["time_s", *(f"q{j}_rad" for j in (1, 2, 3)), *(f"tau{j}_Nm" for j in (1, 2, 3))]
+    path = tmp_path / "log.csv"
+    np.savetxt(path, rows, "%.9f", ",", header=",".join(names))
+    log = read_log(path)
+    np.testing.assert_allclose(log.time, whole[:, 0], atol=1e-9)
+    np.testing.assert_allclose(log.tau, tau, atol=1e-8)

@@ -88,6 +88,18 @@ def test_samples_lost_before_a_decimation_are_not_smoothed_over() -> None:
     np.testing.assert_allclose(with_time_base(log).time, true, atol=1e-9)
 
 
+@pytest.mark.parametrize("step", [0.002, 0.004, 0.005])
+def test_stamps_in_whole_milliseconds_are_no_samples_lost_by_the_dozen(step: float) -> None:
+    """Of 4 ms that a host wrote as 3, 4 and 5 three quarters were said to be lost, and the stamps
+    were taken as they stood."""
+    true = np.arange(0.0, 20.0, step)
+    late = np.random.default_rng(8).uniform(0.0, 1.6e-3, len(true))
+    base = time_base(log_at(true, np.floor(1e3 * (true + late) + 1e-9) * 1e-3))
+    assert base.rebuilt
+    assert base.lost == 0.0
+    np.testing.assert_allclose(np.diff(base.time), step, atol=1e-6)
+
+
 def test_an_even_log_is_left_as_it_is() -> None:
     time = np.arange(0.0, 10.0, 0.004)
     log = log_at(time, time)

@@ -1,14 +1,17 @@
 """The column map that a table without names probably needs, from the numbers alone.
 
 A time rises evenly; angles are columns side by side whose changes other columns side by side are
-the rates of. What else stands there in such a block may be a torque, a current or a command: which
-of them, nothing in the file says. What is found is shown to be checked, never used by itself.
+the rates of, and accelerations the rates of these. What else stands there in such a block may be a
+torque, a current or a command: which of them, nothing in the file says. Of two blocks alone the
+smooth one are the angles, where the other depends on them. What is found is shown to be checked,
+never used by itself.
 """
 
 from __future__ import annotations
 
 import re
 from collections.abc import Collection, Mapping, Sequence
+from typing import NamedTuple
 
 import numpy as np
 
@@ -30,8 +33,28 @@ STILL = 1e-3
 """travel of a joint that is at rest"""
 LEAST = 3
 """joints that must move"""
+SMOOTHER = 5.0
+"""times that angles are smoother than torques"""
+EXPLAINED = 0.5
+"""of the variance of torques, by the weight of bodies and the direction of motion"""
 COUNTS = (6, 7)
 """joints of an arm that is not known"""
+
+
+class Blocks(NamedTuple):
+    """What is known of columns side by side.
+
+    Args:
+        joints: how many columns a block has.
+        angle: first column of the angles, from 0.
+        rates: that of the speeds, then that of the accelerations, as far as they are there.
+        speed_ratio: change of an angle in a row over its speed.
+    """
+
+    joints: int
+    angle: int
+    rates: Sequence[int]
+    speed_ratio: float = 0.0
 
 
 def guessed_places(columns: Mapping[str, Array], joints: Sequence[str] | None) -> str:
@@ -42,6 +65,11 @@ def guessed_places(columns: Mapping[str, Array], joints: Sequence[str] | None) -
         joints: names of the robot's joints, where they are known.
     """
     form, names = _counted(columns)
+    if joints and len(columns) < 2 * len(joints):
+        return (
+            f"; {len(columns)} columns cannot hold angles and torques of {len(joints)} joints, and "
+            "a log needs both (of signals in files of their own, put the columns into one)"
+        )
     if len(names) < 2 * LEAST:
         return ""
     table = np.column_stack([columns[name][:MOST_ROWS] for name in names])
@@ -49,9 +77,9 @@ def guessed_places(columns: Mapping[str, Array], joints: Sequence[str] | None) -
         return ""
     clock = _clock(table)
     for n in (len(joints),) if joints else COUNTS:
-        found = _angles(table, n, clock)
+        found = _rates(table, n, clock) or _smooth_beside_rough(table, n)
         if found is not None:
-            return _map(form, table, clock, (n, *found))
+            return _map(form, table, clock, found)
     return ""
 
 
@@ -82,9 +110,20 @@ def _is_time(values: Array) -> bool:
     return rises and bool(np.abs(values - line).max() < STRAIGHT * span)
 
 
-def _angles(table: Array, n: int, clock: int | None) -> tuple[int, int, float] | None:
-    """Where n angles begin, where the speeds that go with them do, and the change of an angle in a
-    row over its speed."""
+def _rates(table: Array, n: int, clock: int | None) -> Blocks | None:
+    """Angles with the speeds that go with them; and accelerations, where these are there."""
+    pairs = _pairs(table, n, clock)
+    if not pairs:
+        return None
+    speeds = {speed for _, speed, _ in pairs}
+    angle, speed, ratio = next((pair for pair in pairs if pair[0] not in speeds), pairs[0])
+    known = [speed, *[rate for of, rate, _ in pairs if of == speed][:1]]
+    return Blocks(n, angle, known, speed_ratio=ratio)
+
+
+def _pairs(table: Array, n: int, clock: int | None) -> list[tuple[int, int, float]]:
+    """Where blocks of n columns begin whose changes go with the n columns of another one, where
+    that begins, and the change in a row over its rate."""
     changes = table[WIDTH:] - table[:-WIDTH]
     sums = np.cumsum(table, axis=0)
     rates = sums[WIDTH:] - sums[:-WIDTH]
@@ -94,6 +133,7 @@ def _angles(table: Array, n: int, clock: int | None) -> tuple[int, int, float] |
     goes = _correlation(changes, rates, moves)
     power = np.sum(rates**2, axis=0)
     starts = range(table.shape[1] - n + 1)
+    pairs = []
     for angle in starts:
         inside = np.flatnonzero(moves[angle : angle + n])
         if len(inside) < LEAST or (clock is not None and angle <= clock < angle + n):
@@ -104,8 +144,42 @@ def _angles(table: Array, n: int, clock: int | None) -> tuple[int, int, float] |
                 products = np.sum(changes[:, angle + inside] * rates[:, speed + inside], axis=0)
                 ratios = products / power[speed + inside]
                 if ratios.max() < ALIKE * ratios.min():
-                    return angle, speed, float(np.median(ratios))
-    return None
+                    pairs.append((angle, speed, float(np.median(ratios))))
+    return pairs
+
+
+def _smooth_beside_rough(table: Array, n: int) -> Blocks | None:
+    """Angles beside torques alone: one of two blocks of n columns is smooth, and the other goes
+    with it."""
+    free = [k for k in range(table.shape[1]) if not _is_time(table[:, k])]
+    if len(free) != 2 * n or free[n - 1] - free[0] != n - 1 or free[-1] - free[n] != n - 1:
+        return None
+    travel = np.ptp(table[:, free], axis=0).reshape(2, n)
+    moves = (travel > STILL).all(axis=0)
+    if np.count_nonzero(moves) < LEAST:
+        return None
+    jerks = np.std(np.diff(table[:, free], 2, axis=0), axis=0).reshape(2, n)[:, moves]
+    rough, other = jerks / travel[:, moves]
+    times = float(np.median(rough / other))
+    if 1.0 / SMOOTHER < times < SMOOTHER:
+        return None
+    angle, torque = (free[0], free[n]) if times < 1.0 else (free[n], free[0])
+    q = table[:, angle : angle + n]
+    tau = table[:, torque : torque + n][:, moves]
+    explained = _explained(q * (np.pi / 180 if np.abs(q).max() > DEGREES else 1.0), tau)
+    return Blocks(n, angle, []) if explained > EXPLAINED else None
+
+
+def _explained(q: Array, tau: Array) -> float:
+    """Share of the variance of torques that goes with angles [rad] and the direction of motion, in
+    the median."""
+    moved = q[WIDTH:] - q[:-WIDTH]
+    there = q[WIDTH // 2 : WIDTH // 2 - WIDTH]
+    columns = [np.ones((len(there), 1)), np.sin(there), np.cos(there), np.sign(moved)]
+    wanted = tau[WIDTH // 2 : WIDTH // 2 - WIDTH]
+    basis = np.hstack(columns)
+    left = wanted - basis @ np.linalg.lstsq(basis, wanted, rcond=None)[0]
+    return float(np.median(1.0 - np.var(left, axis=0) / np.var(wanted, axis=0)))
 
 
 def _correlation(changes: Array, rates: Array, moves: Mask) -> Array:
@@ -116,29 +190,29 @@ def _correlation(changes: Array, rates: Array, moves: Mask) -> Array:
     return np.asarray(a.T @ b / np.where(size > 0.0, size, np.inf))
 
 
-def _map(form: str, table: Array, clock: int | None, found: tuple[int, int, int, float]) -> str:
+def _map(form: str, table: Array, clock: int | None, found: Blocks) -> str:
     """The map as text.
 
     Args:
         form: of the names; table: columns in their order; clock: which is the time.
-        found: joints, first angle, first speed, columns from 0; change of an angle in a row over
-            its speed.
+        found: the blocks that are known.
     """
-    n, angle, speed, ratio = found
-    turns = np.abs(table[:, angle : angle + n]).max() > DEGREES
-    taken = {*range(angle, angle + n), *range(speed, speed + n), clock}
-    free = _free(table.shape[1], n, taken)
+    n = found.joints
+    turns = bool(np.abs(table[:, found.angle : found.angle + n]).max() > DEGREES)
+    taken = {k for first in (found.angle, *found.rates) for k in range(first, first + n)}
+    free = _free(table.shape[1], n, {*taken, clock})
     lines = ["[time]", "rate_Hz = nan   # samples a second: no column rises as a time does", ""]
     rate = "deg_s" if turns else "rad_s"
     if clock is not None:
         scale = unit_by_step(table[:, clock]) or 1.0
         unit = {1e-3: "ms", 1e-6: "us", 1e-9: "ns"}.get(scale, "s")
         step = scale * float(table[-1, clock] - table[0, clock]) / (len(table) - 1)
-        if turns and 1.0 / ALIKE < np.radians(ratio) / step < ALIKE:
+        if turns and 1.0 / ALIKE < np.radians(found.speed_ratio) / step < ALIKE:
             rate = "rad_s"
         lines = ["[time]", f'column = "{form.format(clock + 1)}"', f'unit = "{unit}"', ""]
-    lines += _entry(form, n, angle, ("q", "deg" if turns else "rad"))
-    lines += _entry(form, n, speed, ("qd", rate))
+    lines += _entry(form, n, found.angle, ("q", "deg" if turns else "rad"))
+    if found.rates:
+        lines += _entry(form, n, found.rates[0], ("qd", rate))
     if free:
         others = ", ".join(form.format(f"{{j+{first}}}") for first in free[1:])
         lines += _entry(form, n, free[0], ("tau", "Nm"))

@@ -169,9 +169,13 @@ def _echoed(table: Table, joints: Sequence[str] | None) -> dict[str, dict[int, s
             raise _twice(table, other, name, f"the {match['word']} of joint {place + 1}")
     words = [words for name, words in table.words.items() if _NAMES.fullmatch(name)]
     listed = _QUOTED.findall(words[0]) if words else []
-    numbered = [f"joint {place + 1}" for place in range(max(seen, default=-1) + 1)]
+    # some count from 1
+    first = min(seen, default=0)
+    numbered = {place: f"joint {place - first + 1}" for place in seen}
     names = [
-        table.words.get(f"field.name{place}", (listed if len(listed) > place else numbered)[place])
+        table.words.get(
+            f"field.name{place}", listed[place] if len(listed) > place else numbered[place]
+        )
         for place in seen
     ]
     return _ordered(table, names, list(seen.values()), joints)

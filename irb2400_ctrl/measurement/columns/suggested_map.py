@@ -14,17 +14,19 @@ import numpy as np
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.measurement.columns.axis_letters import lettered
+from irb2400_ctrl.measurement.columns.column_map import TURN
 from irb2400_ctrl.measurement.columns.joint_words import FEWEST, worded
 from irb2400_ctrl.measurement.columns.recorder_names import unit_by_step
 from irb2400_ctrl.measurement.columns.two_part_time import COUNTED, time_pair
 
 OTHERS = re.compile(
     r"acc|qdd|ddq|ddot|err|ext|grav|limit|temp(?!s)|volt|tcp|cart|wrench|jerk|collision|inertia|dist"
-    r"|(?<!joint)(?<!joint_)(?<!axis_)force"
+    r"|power|pose(?![a-z])|dtau|tau_?dot|(?<!joint)(?<!joint_)(?<!axis_)force"
     r"|加速|温|電圧"
 )
 COMMANDED = re.compile(
-    r"ref|cmd|comm|action|target|des|goal|set|soll|plan(?!e)|nominal|[a-z]_d(?![a-z])|指令|目標|consigne"
+    r"ref|cmd|comm|action|target|des|goal|set|soll|plan(?!e)|nominal|comput|aspos|[a-z]_d(?![a-z])"
+    r"|(?<![a-z])opt(?![a-z])|指令|目標|consigne"
 )
 MEASURED = re.compile(r"act(?!uator|ion)|meas|msr|mes|real|(?<!wr)ist|fb|feed|state")
 TORQUE = (
@@ -35,18 +37,22 @@ TURNS = r"(?<![a-z])(rev|revs|turns|umdrehungen)(?![a-z/])"
 TURNS_A_MINUTE = r"rpm|/min|min-(?=\W*$)"
 DEGREE_OR_RAD = r"deg|°(?!c)|(?<!g)rad(?!i(?!an))|grad(?!i)"
 PULSES = r"puls|counts"
-CURRENT = r"cur(?!rent_as_torque)|(?<![a-z])(courant|corrente|corriente)(?![a-z])|電流|电流"
+CURRENT = (
+    r"cur(?!rent_as_torque)|(?<![a-z])(courant|corrente|corriente|i_?q)(?![a-z])|電流|电流"
+    r"|(?<![a-z])i(?=_?(act|targ|meas))"
+)
 QUANTITIES = {
-    "tau": rf"{TORQUE}|{CURRENT}|(?<!co)eff|load|force|m(?=act)|^m?t\W*$|{NEWTON_METRES}",
-    "qd": r"vel|speed|dot|dq|qd|qv|qp(?!os)|omega|ω|geschw|vitesse|速度"
+    "tau": rf"{TORQUE}|{CURRENT}|(?<!co)eff|load|force|(?<![a-z])m_?(?=act|targ)|^m?t\W*$"
+    rf"|(?<![a-z])u(?![a-z])|{NEWTON_METRES}",
+    "qd": r"vel|speed|dot|dq|dtheta|qd|qv|qp(?!os)|omega|ω|geschw|vitesse|速度"
     rf"|(?:deg|rad|°)(?:/|p|_|_per_)s|{TURNS_A_MINUTE}",
-    "q": r"pos|ang|q|theta|θ|rax|joint|jnt|axis|achse|winkel|^([aj]|jt|mp)\W*$|state\W*$"
-    rf"|{DEGREE_OR_RAD}|{TURNS}"
+    "q": r"pos|ang|(?<!e)q|theta|θ|rax|joint|jnt|axis|achse|winkel|^([aj]|jt|mp)\W*$|state\W*$"
+    rf"|{DEGREE_OR_RAD}|{TURNS}|{PULSES}"
     r"|(?<![a-z])(axe|asse|eje)(?![a-z])|角|軸|轴|关节|関節",
 }
 """what a name means, asked in this order"""
 TIME = re.compile(
-    r"(.*[^a-z])?(time|t|tm|tout|time_?stamps?|stamp|zeit|zeitstempel|tick|ipoc|sec|temps|tempo|tiempo|時間|时间)"
+    r"(.*[^a-z])?(times?|ts|t|tm|tout|time_?stamps?|stamp|zeit|zeitstempel|tick|ipoc|sec|temps|tempo|tiempo|時間|时间)"
     r"([^a-z].*)?"
 )
 BARE = re.compile(r"\W*(a|j|jt|joint|jnt|axis|achse|axe|asse|eje|軸|轴|关节|関節)?\W*")
@@ -62,6 +68,8 @@ NAMED = "{name}"
 MOST_JOINTS = 16
 DEGREES = 7.0
 """an angle beyond this is hardly in radians"""
+COUNTS = 3600.0
+"""whole numbers beyond this are hardly degrees"""
 NEEDED = "and a log needs them (of signals in files of their own, put the columns into one)"
 ALONE = (
     "not measured: record the measured ones, or say in a column map that they are to be taken "
@@ -84,31 +92,36 @@ def suggested_map(columns: Mapping[str, Array], joints: Sequence[str] | None = N
         joints: names of the robot's joints in their order, where they are known.
     """
     patterns = _patterns(columns, joints or ())
-    chosen: dict[str, tuple[int, int, str]] = {}
+    chosen: dict[str, tuple[int, bool, int, str]] = {}
     rivals: dict[str, list[str]] = {}
     for pattern in patterns:
         quantity, told = _quantity(pattern)
         rivals.setdefault(quantity, []).append(pattern)
-        if quantity and (told, len(pattern)) < chosen.get(quantity, (3, 0, ""))[:2]:
-            chosen[quantity] = (told, len(pattern), pattern)
+        # torques before currents, the joint's side before the motor's
+        doubt = re.search(rf"{AMPERE.pattern}|{MOTOR.pattern}", pattern.lower()) is not None
+        if quantity and (told, doubt, len(pattern)) < chosen.get(quantity, (3, False, 0, ""))[:3]:
+            chosen[quantity] = (told, doubt, len(pattern), pattern)
     if "tau" not in chosen and {"q", "q_ref"} & chosen.keys():
         return f"; no columns are called as measured torques or currents are, {NEEDED}"
-    if set(chosen) - {""} == {"tau"}:
+    if "tau" in chosen and not {"q", "q_ref"} & chosen.keys():
         return f"; no columns are called as angles of joints are, {NEEDED}"
     if "tau" in chosen and "q_ref" in chosen and "q" not in chosen:
-        commanded = chosen["q_ref"][2]
+        commanded = chosen["q_ref"][-1]
         return f"; the angles that there are ({commanded}) are called commanded ones, {ALONE}"
     if not {"q", "tau"} <= chosen.keys():
         return ""
     names = {quantity: patterns[pattern] for quantity, (*_, pattern) in chosen.items()}
-    size = max(float(np.nanmax(np.abs(columns[name]))) for name in names["q"])
-    lines = _time(columns, len(columns[names["q"][0]]))
+    angles = np.column_stack([columns[name] for name in names["q"]])
+    size = _size(angles)
+    lines = _time(columns, len(angles))
     for quantity in ("q", "qd", "tau", "q_ref"):
-        if quantity in names:
-            pattern = chosen[quantity][2]
+        # the speeds of counted angles are in any unit
+        if quantity in names and (quantity != "qd" or size != "counts"):
+            pattern = chosen[quantity][-1]
             taken = set(names[quantity])
             others = [other for other in rivals[quantity] if not taken >= set(patterns[other])]
-            lines += _entry(quantity, pattern, names[quantity], size > DEGREES)
+            entry = _entry(quantity, pattern, names[quantity], size)
+            lines += _wrapped(entry, angles) if quantity == "q" else entry
             if joints and len(names[quantity]) > len(joints):
                 lines[-1:] = [
                     f"joints = {len(joints)}   # of {len(names[quantity])} such columns: the first "
@@ -132,6 +145,8 @@ def _patterns(columns: Mapping[str, Array], joints: Sequence[str]) -> dict[str, 
         few = len(names) < FEWEST
         if not (few and any(set(names) < set(several) for several in words.values())):
             found[pattern] = names
+    # where the robot is known, fewer are some joints of several
+    found = {pattern: names for pattern, names in found.items() if len(names) >= len(joints)}
     found |= _named(columns, joints)
     if any(_quantity(pattern)[0] for pattern in found):
         return found
@@ -188,6 +203,26 @@ def _named(columns: Mapping[str, Array], joints: Sequence[str]) -> dict[str, lis
     }
 
 
+def _size(angles: Array) -> str:
+    """What angles whose names state no unit look like: "rad", "deg" or "counts"."""
+    there = angles[np.isfinite(angles)]
+    if (np.abs(there) > COUNTS).any() and (there == np.round(there)).all():
+        return "counts"
+    return "deg" if (np.abs(there) > DEGREES).any() else "rad"
+
+
+def _wrapped(entry: list[str], angles: Array) -> list[str]:
+    """The tables of angles; said in them where some go on a whole turn off from one row to the next
+    and never by a good part of one."""
+    steps = np.abs(np.diff(angles, axis=0))
+    for unit, turn in (("deg", 360.0), ("rad", TURN)):
+        jumps = np.abs(steps - turn) < 0.1 * turn
+        if f'unit = "{unit}"' in entry and jumps.any() and (steps[~jumps] < 0.1 * turn).all():
+            said = f'unit = "{unit}"\nwrapped = true   # some jump by a whole turn'
+            return [said if line == f'unit = "{unit}"' else line for line in entry]
+    return entry
+
+
 def _quantity(pattern: str) -> tuple[str, int]:
     """What a name means, and how surely: 0 where it says measured, 2 of a commanded torque or a
     current; "" where it is of another thing, or does not tell."""
@@ -196,7 +231,7 @@ def _quantity(pattern: str) -> tuple[str, int]:
     if not meant or OTHERS.search(words):
         return "", 3
     if MEASURED.search(words):
-        return meant, 0
+        return meant, int(meant == "tau" and AMPERE.search(words) is not None)
     if COMMANDED.search(words):
         # some controllers record no other torque
         return {"q": ("q_ref", 1), "tau": ("tau", 2)}.get(meant, ("", 3))
@@ -219,13 +254,17 @@ def _time(columns: Mapping[str, Array], rows: int) -> list[str]:
         if len(values) == rows and TIME.fullmatch(name.lower()):
             scale = unit_by_step(values)
             unit = {1e-3: "ms", 1e-6: "us", 1e-7: "ticks", 1e-9: "ns"}.get(scale, "s")
-            return ["[time]", f'column = "{name}"', f'unit = "{unit}"', ""]
+            rows_alone = len(values) > 1 and bool((np.diff(values) == 1.0).all())
+            doubt = (
+                "   # or it counts rows: then rate_Hz in the place of column and unit" * rows_alone
+            )
+            return ["[time]", f'column = "{name}"', f'unit = "{unit}"{doubt}', ""]
     return ["[time]", "rate_Hz = nan   # samples a second: no column is called as a time is", ""]
 
 
-def _entry(quantity: str, pattern: str, names: Sequence[str], degrees: bool) -> list[str]:
+def _entry(quantity: str, pattern: str, names: Sequence[str], size: str) -> list[str]:
     """One table of the map; one for each joint where a name stands in the place of a number."""
-    told = [f'quantity = "{quantity}"', *_unit(quantity, pattern.lower(), degrees), ""]
+    told = [f'quantity = "{quantity}"', *_unit(quantity, pattern.lower(), size), ""]
     if NAMED not in pattern:
         return ["[[columns]]", f'file = "{pattern}"', *told]
     tables = [
@@ -235,7 +274,7 @@ def _entry(quantity: str, pattern: str, names: Sequence[str], degrees: bool) -> 
     return [line for table in tables for line in table]
 
 
-def _unit(quantity: str, words: str, degrees: bool) -> list[str]:
+def _unit(quantity: str, words: str, size: str) -> list[str]:
     """What stands in a table about the unit."""
     gear = "gear_ratio = nan   # motor turns per joint turn, signed"
     motor = [f"{gear}; 1 if it is the joint's"]
@@ -243,10 +282,10 @@ def _unit(quantity: str, words: str, degrees: bool) -> list[str]:
         return _unit_of_torque(words, gear, motor if MOTOR.search(words) else [])
     if re.search(TURNS_A_MINUTE if quantity == "qd" else TURNS, words):
         return [f'unit = "{"rpm" if quantity == "qd" else "rev"}"', *motor]
-    if re.search(PULSES, words):
-        return ['unit = "rev"', "factor = nan   # turns of the joint a pulse, signed"]
     stated = re.search(DEGREE_OR_RAD, words)
-    in_degrees = degrees if stated is None else stated[0] != "rad"
+    if re.search(PULSES, words) or (stated is None and size == "counts"):
+        return ['unit = "rev"', "factor = nan   # turns of the joint a pulse, signed"]
+    in_degrees = size == "deg" if stated is None else stated[0] != "rad"
     return [f'unit = "{UNITS[quantity][in_degrees]}"', *motor * bool(MOTOR.search(words))]
 
 

@@ -12,7 +12,7 @@ from irb2400_ctrl.arrays import Array
 DAY = 86_400.0
 """[s]"""
 _CLOCK = re.compile(
-    r"(?:[\w./-]{8,11}[T ]\s*|\d+ days? )?(?P<hours>[01]?\d|2[0-3]):(?P<minutes>[0-5]\d):"
+    r"(?:[\w./-]{8,11}[T _/-]\s*|\d+ days? )?(?P<hours>[01]?\d|2[0-3]):(?P<minutes>[0-5]\d):"
     r"(?P<seconds>[0-5]\d(?:[.,:]\d+)?)\s*(?:(?P<half>[AP])M|Z|UTC|[+-]\d\d:?\d\d)?",
     re.IGNORECASE,
 )

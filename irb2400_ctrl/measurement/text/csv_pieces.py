@@ -243,6 +243,7 @@ def _values(body: Body, cells: list[str], widths: dict[int, int], place: str) ->
 
 def _number(cell: str, decimal: str) -> float:
     try:
-        return float(bare(cell).replace(decimal, "."))
+        # a list of numbers over several cells: `(0.1`, `0.2`, `0.3)`
+        return float(bare(cell).strip("()[]").replace(decimal, "."))
     except ValueError:
         return np.nan

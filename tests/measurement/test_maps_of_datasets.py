@@ -1,0 +1,172 @@
+"""Column maps for the layouts of published recordings: cobots with sensors and motors in one table,
+controllers that call a current `i`, humanoids, arms whose angles jump by a whole turn."""
+
+from __future__ import annotations
+
+import warnings
+from pathlib import Path
+
+import numpy as np
+import pytest
+from measured_logs import made, same
+
+from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.measurement import read_log
+
+LOG = made()
+T = LOG.time
+Q = LOG.q
+TAU = LOG.tau
+SPEED = np.asarray(LOG.qd)
+AXES = tuple(f"axis_{j}" for j in range(1, 7))
+
+
+def written(path: Path, columns: dict[str, np.ndarray]) -> Path:
+    """A table; a matrix is one column per joint, its name with {j} or {j0}."""
+    names = []
+    values = []
+    for name, column in columns.items():
+        matrix = column[:, None] if column.ndim == 1 else column
+        for k in range(matrix.shape[1]):
+            names.append(name.replace("{j}", str(k + 1)).replace("{j0}", str(k)))
+            values.append(matrix[:, k])
+    rows = "\n".join(",".join(f"{v:.17g}" for v in row) for row in np.stack(values, axis=1))
+    path.write_text(f"{','.join(names)}\n{rows}\n", "utf-8")
+    return path
+
+
+def refusal(path: Path) -> str:
+    with pytest.raises(InputError) as refused:
+        read_log(path, names=AXES)
+    return str(refused.value)
+
+
+def shown(path: Path) -> str:
+    """The map that the refusal of a file shows, written beside it."""
+    text = refusal(path).split("check them:\n\n")[1]
+    path.with_name("map.toml").write_text(text, "utf-8")
+    return text
+
+
+def test_the_joints_side_comes_before_the_motors_and_iq_is_a_current(tmp_path: Path) -> None:
+    """`motor_iq` was taken for the angle, and with it the log passed as one of joints at rest."""
+    columns = {
+        **{"time": T, "target_position_{j}": Q + 1.0, "target_torque_{j}": 0 * TAU},
+        **{"computed_torque_{j}": 0 * TAU, "motor_position_{j}": 101 * Q, "motor_iq_{j}": TAU / 9},
+        **{"motor_velocity_{j}": 101 * SPEED, "joint_position_{j}": Q, "joint_velocity_{j}": SPEED},
+        **{"motor_torque_{j}": TAU / 101, "torque_sensor_a_{j}": TAU},
+        **{"power_load_mech_{j}": TAU, "motor_id_{j}": 0 * TAU},
+    }
+    path = written(tmp_path / "log.csv", columns)
+    told = shown(path)
+    found = read_log(path, columns=tmp_path / "map.toml")
+    same(found, LOG)
+    np.testing.assert_allclose(found.qd, SPEED, atol=1e-8)
+    assert "motor_iq_{j}, motor_torque_{j}\n" in told
+    assert "power" not in told
+    assert "motor_id" not in told
+
+
+def test_i_and_m_are_currents_and_torques(tmp_path: Path) -> None:
+    """They were "no columns called as measured torques or currents"."""
+    columns = {"t": T, "q_target_{j0}": Q, "m_target_{j0}": TAU, "q_actual_{j0}": Q}
+    columns |= {"i_actual_{j0}": TAU / 9, "m_actual_{j0}": TAU}
+    path = written(tmp_path / "log.csv", columns)
+    assert "m_target_{j0}, i_actual_{j0}" in shown(path)
+    same(read_log(path, columns=tmp_path / "map.toml"), LOG)
+    del columns["m_actual_{j0}"]
+    told = shown(written(path, columns))
+    assert 'file = "i_actual_{j0}"\nquantity = "tau"\nunit = "A"\nNm_per_A = nan' in told
+
+
+def test_what_goes_into_an_arm_is_a_torque_or_a_current(tmp_path: Path) -> None:
+    """Control engineers call it u; it was no torque at all."""
+    path = written(tmp_path / "log.csv", {"data.time": T, "data.q[{j}]": Q, "data.u[{j}]": TAU})
+    assert 'unit = "Nm"   # or a current' in shown(path)
+    same(read_log(path, columns=tmp_path / "map.toml"), LOG)
+    columns = {"t": T, "joint_p_{j}": Q, "joint_u_{j}": 0 * TAU, "torque_meas_{j}": TAU}
+    assert 'file = "torque_meas_{j}"\nquantity = "tau"' in shown(written(path, columns))
+
+
+def test_times_are_a_time(tmp_path: Path) -> None:
+    columns = {"times": T, "positions_{j}": Q, "torques_{j}": TAU}
+    path = written(tmp_path / "log.csv", columns)
+    assert 'column = "times"' in shown(path)
+    same(read_log(path, columns=tmp_path / "map.toml"), LOG)
+
+
+def test_pulses_are_angles_and_the_position_that_is_wanted_a_command(tmp_path: Path) -> None:
+    path = tmp_path / "log.csv"
+    told = shown(written(path, {"t": T, "FB PULSE {j}": 1e3 * Q, "TORQUE {j} (%)": TAU}))
+    assert 'file = "FB PULSE {j}"\nquantity = "q"\nunit = "rev"\nfactor = nan' in told
+    columns = {"IPOC": 1e3 * T, "ASPos.A{j}": Q, "AIPos.A{j}": Q, "GearTorque.A{j}": TAU}
+    assert 'file = "ASPos.A{j}"\nquantity = "q_ref"' in shown(written(path, columns))
+
+
+@pytest.mark.parametrize("turn", [360.0, 2 * np.pi])
+def test_an_angle_that_jumps_by_a_whole_turn_is_shown_as_wrapped(
+    turn: float, tmp_path: Path
+) -> None:
+    angles = Q * turn / (2 * np.pi)
+    path = tmp_path / "log.csv"
+    columns = {"t": T, "angle_{j}": angles % turn, "torque_{j}": TAU}
+    assert shown(written(path, columns)).count("wrapped = true") == 1
+    found = read_log(path, columns=tmp_path / "map.toml")
+    np.testing.assert_allclose(np.diff(found.q, axis=0), np.diff(Q, axis=0), atol=1e-8)
+    assert "wrapped" not in shown(written(path, {**columns, "angle_{j}": angles}))
+    jumps = 180.0 * np.random.default_rng(1).random(Q.shape) + 200.0 * (T[:, None] > 1.0)
+    assert "wrapped" not in shown(written(path, {**columns, "angle_{j}": jumps}))
+
+
+def test_a_table_of_speeds_and_currents_lacks_the_angles(tmp_path: Path) -> None:
+    columns = {"Time": T, "Current_J{j0}": TAU, "Speed_J{j0}": SPEED}
+    told = refusal(written(tmp_path / "log.csv", columns))
+    assert "no columns are called as angles of joints are" in told
+
+
+def test_no_map_counts_some_of_the_joints(tmp_path: Path) -> None:
+    """`left_e{j0}` was shown as a map of two of seven joints."""
+    names = ("e0", "e1", "s0", "s1", "w0", "w1")
+    columns = {"time": T}
+    for word, values in (("position", Q), ("effort", TAU)):
+        columns |= {f"{word}.left_{name}": values[:, k] for k, name in enumerate(names)}
+    assert "column map for it" not in refusal(written(tmp_path / "log.csv", columns))
+
+
+def test_words_in_all_cells_of_the_angles_are_no_warning(tmp_path: Path) -> None:
+    columns = {"t": T, "q_{j}": np.nan * Q, "tau_{j}": TAU}
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert 'unit = "rad"' in shown(written(tmp_path / "log.csv", columns))
+
+
+def test_poses_plans_and_rates_of_torques_are_no_joint_signals(tmp_path: Path) -> None:
+    """The pose of the tool was shown as the angles of the joints."""
+    columns = {"ts": T, "robo_pose_{j}": 0 * Q, "q_opt_{j}": Q + 1.0, "robo_joint_angles_{j}": Q}
+    columns |= {"tau_dot_{j}": 0 * TAU, "robo_joint_effort_{j}": TAU, "dtheta_{j}": SPEED}
+    path = written(tmp_path / "log.csv", columns)
+    told = shown(path)
+    assert 'column = "ts"' in told
+    assert 'file = "q_opt_{j}"\nquantity = "q_ref"' in told
+    assert "of the same kind" not in told
+    found = read_log(path, columns=tmp_path / "map.toml")
+    same(found, LOG)
+    np.testing.assert_allclose(found.qd, SPEED, atol=1e-8)
+
+
+def test_whole_numbers_in_the_thousands_are_counts_of_an_encoder(tmp_path: Path) -> None:
+    """A drive's position actual value was shown as degrees, and its speeds beside it."""
+    columns = {"t": T, "Slave{j0}.ActualPosition": np.round(131072 * Q)}
+    columns |= {"Slave{j0}.ActualVelocity": np.round(1e3 * SPEED), "Slave{j0}.ActualTorque": TAU}
+    path = written(tmp_path / "log.csv", columns)
+    told = shown(path)
+    assert "ActualVelocity" not in told
+    (tmp_path / "map.toml").write_text(told.replace("nan", str(0.5 / np.pi / 131072)), "utf-8")
+    same(read_log(path, columns=tmp_path / "map.toml"), LOG, 1e-5)
+
+
+def test_a_time_that_counts_by_one_may_count_rows(tmp_path: Path) -> None:
+    columns = {"Tick": np.arange(len(T)), "q_{j}": Q, "tau_{j}": TAU}
+    assert 'unit = "ms"   # or it counts rows' in shown(written(tmp_path / "log.csv", columns))
+    columns["Tick"] = 1e3 * T
+    assert "counts rows" not in shown(written(tmp_path / "log.csv", columns))
