@@ -26,8 +26,6 @@ if TYPE_CHECKING:
     from irb2400_ctrl.robot import Robot
 
 OBSERVER = "momentum_observer"
-DESIGNED_AT = 0.001
-"""[s] that the gains of the controllers were chosen for"""
 
 
 class TargetName(StrEnum):
@@ -133,7 +131,8 @@ def _block(
     name: str, robot: Robot, sample_time: float, wishes: dict[str, Any], with_guards: bool
 ) -> Block:
     from irb2400_ctrl.controllers import controller, guarded, momentum_observer
-    from irb2400_ctrl.controllers.sampling import check_sampled_loop
+    from irb2400_ctrl.controllers.design import over_poses
+    from irb2400_ctrl.controllers.sampling import check_sampled_loop, postures
     from irb2400_ctrl.errors import InputError
 
     if name != OBSERVER:
@@ -145,12 +144,15 @@ def _block(
             known = ", ".join([*controllers_named(), OBSERVER])
             raise InputError(f"no controller {name!r}; expected one of {known}")
 
-        # as they are, controllers are stable at their own rate; the question costs two seconds
-        if sample_time > DESIGNED_AT or set(wishes) - {"tables"}:
-            remark = check_sampled_loop(robot, build, sample_time)
-            if remark:
-                print(f"irb2400: {remark}", file=sys.stderr)
+        remark = check_sampled_loop(robot, build, sample_time)
+        if remark:
+            print(f"irb2400: {remark}", file=sys.stderr)
         block = build(sample_time)
+        poses = postures(robot)
+        print(
+            f"loop at rest, {len(poses)} postures, drive a sample late, speed filtered at 250 Hz: "
+            f"{over_poses(robot, block, poses)}"
+        )
         if with_guards:
             _say_blind(robot)
         return guarded(block, robot) if with_guards else block

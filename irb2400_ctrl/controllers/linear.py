@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.codegen import Block, Field, compile_block, compile_function
 from irb2400_ctrl.controllers.margins import Margins, frequencies, margins
+from irb2400_ctrl.controllers.scaling import typical_inertia
 from irb2400_ctrl.controllers.timing import Timing
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.given import finite
@@ -245,11 +246,15 @@ class LinearLoop:
 
     @cached_property
     def sensitivity(self) -> NDArray[np.complex128]:
-        """S = (1 + L)^-1 at the torque command, in units of the torque limits, shape (k, n, n)."""
+        """S = (1 + L)^-1 at the torque command, in units of the torque limits, where one is
+        unknown of what turns each joint at one acceleration, shape (k, n, n)."""
         response = np.moveaxis(
             self.open_loop(np.exp(1j * self.omega * self.timing.sample_time)), -1, 0
         )
-        scaled = response * self.robot.tau_max / self.robot.tau_max[:, None]
+        unit = self.robot.tau_bound
+        if not np.isfinite(unit).all():
+            unit = typical_inertia(self.robot)
+        scaled = response * unit / unit[:, None]
         return np.asarray(np.linalg.inv(np.eye(self.robot.n) + scaled))
 
     @property
