@@ -112,7 +112,7 @@ def lines(check: LogCheck) -> list[str]:
         ("noise of the torque [Nm]", "torque_noise_Nm"),
         ("made of it by noise of angles [Nm]", "torque_from_angle_noise_Nm"),
         ("lag behind the command [ms]", "lag_ms"),
-        ("left by the nominal model [%]", "left_of_torque_percent"),
+        ("left below 4 Hz, numbers fitted [%]", "left_of_torque_percent"),
     ):
         values = table[key]
         if values is not None:
