@@ -78,8 +78,8 @@ def parameter_rows(finding: Finding) -> list[list[object]]:
 
 def numbers_beside(finding: Finding, name: str) -> str:
     """All numbers of an effect but the one of that name, with their errors, for a terminal:
-    `neutral_rad 0.02 ± 0.01, lever_ratio 0.3`; not its discrepancy, and of a body nothing, which has
-    lines of its own."""
+    `neutral_rad 0.02 ± 0.01, lever_ratio 0.3`; not its discrepancy, and of a body nothing, which
+    has lines of its own."""
     if finding.body is not None:
         return ""
     told = []
