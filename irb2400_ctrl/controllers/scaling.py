@@ -125,9 +125,14 @@ def heaviest(robot: Robot, scale: Array) -> Array:
         robot: the arm.
         scale: K of `inertia_span`, shape (n,).
     """
-    q = np.random.default_rng(0).uniform(robot.q_min, robot.q_max, (POSTURES, robot.n))
-    own = np.einsum("kjj->kj", Model(robot).mass_matrix(q)).max(axis=0) / scale
+    own = largest_inertia(robot) / scale
     return np.asarray(inertia_span(robot, scale).heavy * (own / own.max()) ** ALONE)
+
+
+def largest_inertia(robot: Robot) -> Array:
+    """M_jj of each joint, largest over postures [kg m2], shape (n,)."""
+    q = np.random.default_rng(0).uniform(robot.q_min, robot.q_max, (POSTURES, robot.n))
+    return np.asarray(np.einsum("kjj->kj", Model(robot).mass_matrix(q)).max(axis=0))
 
 
 def fastest_crossover(sample_time: float) -> float:
