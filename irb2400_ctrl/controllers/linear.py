@@ -100,17 +100,17 @@ def arm_rate(robot: Robot, x: ca.SX, tau: ca.SX) -> ca.SX:
     drive = tau - ca.DM(FrictionLaw.of(robot).viscous) * qd
     # in contact: on which side of its gap a joint stands is decided by the pose, and the slope is
     # the same
-    side = 0.5 * gap * ca.sign(q[soft] - link)
-    spring = stiffness * (q[soft] - link - side) + damping * (qd[soft] - link_rate)
-    motors = (drive[soft] - spring) / inertia
-    angles[soft] = link
-    speeds[soft] = link_rate
-    drive[soft] = spring
+    side = 0.5 * gap * ca.sign(q[soft, 0] - link)
+    spring = stiffness * (q[soft, 0] - link - side) + damping * (qd[soft, 0] - link_rate)
+    motors = (drive[soft, 0] - spring) / inertia
+    angles[soft, 0] = link
+    speeds[soft, 0] = link_rate
+    drive[soft, 0] = spring
     free = Model(links_only(robot)).function("forward_dynamics_without_friction")
     links = free(angles, speeds, drive, 0)
     actuators = ca.SX(links)
-    actuators[soft] = motors
-    return ca.vertcat(qd, link_rate, actuators, links[soft])
+    actuators[soft, 0] = motors
+    return ca.vertcat(qd, link_rate, actuators, links[soft, 0])
 
 
 def viscous_dynamics(model: Model) -> ca.Function:
@@ -248,9 +248,8 @@ class LinearLoop:
     def sensitivity(self) -> NDArray[np.complex128]:
         """S = (1 + L)^-1 at the torque command, in units of the torque limits, where one is
         unknown of what turns each joint at one acceleration, shape (k, n, n)."""
-        response = np.moveaxis(
-            self.open_loop(np.exp(1j * self.omega * self.timing.sample_time)), -1, 0
-        )
+        z = np.exp(1j * self.omega * self.timing.sample_time)
+        response = np.moveaxis(self.open_loop(z, squeeze=False), -1, 0)
         unit = self.robot.tau_bound
         if not np.isfinite(unit).all():
             unit = typical_inertia(self.robot)
