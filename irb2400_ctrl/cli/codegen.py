@@ -26,6 +26,8 @@ if TYPE_CHECKING:
     from irb2400_ctrl.robot import Robot
 
 OBSERVER = "momentum_observer"
+USUAL_PEAK = 5.0
+"""largest sensitivity peak of a loop that has margins: 15 degrees of phase at the least"""
 
 
 class TargetName(StrEnum):
@@ -131,8 +133,7 @@ def _block(
     name: str, robot: Robot, sample_time: float, wishes: dict[str, Any], with_guards: bool
 ) -> Block:
     from irb2400_ctrl.controllers import controller, guarded, momentum_observer
-    from irb2400_ctrl.controllers.design import over_poses
-    from irb2400_ctrl.controllers.sampling import check_sampled_loop, postures
+    from irb2400_ctrl.controllers.sampling import check_sampled_loop
     from irb2400_ctrl.errors import InputError
 
     if name != OBSERVER:
@@ -148,11 +149,7 @@ def _block(
         if remark:
             print(f"irb2400: {remark}", file=sys.stderr)
         block = build(sample_time)
-        poses = postures(robot)
-        print(
-            f"loop at rest, {len(poses)} postures, drive a sample late, speed filtered at 250 Hz: "
-            f"{over_poses(robot, block, poses)}"
-        )
+        _say_margins(robot, block)
         if with_guards:
             _say_blind(robot)
         return guarded(block, robot) if with_guards else block
@@ -160,6 +157,31 @@ def _block(
     if unknown:
         raise InputError(f"{OBSERVER}: found {', '.join(unknown)}; it has bandwidth only")
     return momentum_observer(robot, sample_time, **wishes)
+
+
+def _say_margins(robot: Robot, block: Block) -> None:
+    """The worst of the loop, and a remark where they are too small to be called margins."""
+    from irb2400_ctrl.controllers.design import over_poses
+    from irb2400_ctrl.controllers.sampling import postures
+
+    poses = postures(robot)
+    worst = over_poses(robot, block, poses)
+    drive = f"{len(poses)} postures, drive a sample late, speed filtered at 250 Hz"
+    print(f"loop at rest, {drive}: {worst if worst.stable else 'an error grows'}")
+    if not worst.stable:
+        print(
+            "irb2400: an error of this loop grows, no faster than weight makes it that is balanced "
+            "a sample late: an arm for guiding by hand; to follow a reference expected a loop "
+            "whose errors fade: sample more often, or ask for higher gains",
+            file=sys.stderr,
+        )
+    elif worst.coupled_peak > USUAL_PEAK:
+        print(
+            f"irb2400: this loop has hardly a margin: its sensitivity peaks at "
+            f"{worst.coupled_peak:.3g}, expected at most {USUAL_PEAK:g}; sample more often, or ask "
+            "for other gains",
+            file=sys.stderr,
+        )
 
 
 def _say_blind(robot: Robot) -> None:

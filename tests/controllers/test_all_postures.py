@@ -134,3 +134,18 @@ def test_the_command_says_margins_and_refuses_what_swings_up(seven: Robot, tmp_p
     refused = irb2400(*asked, *wishes, "--out", tmp_path / "d")
     assert refused.returncode == 2
     assert "ask for other gains, or leave them to the default" in refused.stderr
+
+
+def test_the_command_says_that_hardly_a_margin_is_left(seven: Robot, tmp_path: Path) -> None:
+    """At a tenth of the rate the weight that is balanced late uses up what these gains leave."""
+    file = tmp_path / "seven.toml"
+    irb.robot.save_robot(seven, file)
+    asked = ("codegen", "--robot", file, "--bare", "--controller", "gravity_pd", "--sample-time")
+    done = irb2400(*asked, 0.01, "--out", tmp_path / "c")
+    assert "hardly a margin" in done.stderr
+    limp = irb2400(
+        "codegen", "--robot", "ur10e", "--bare", "--controller", "gravity_pd",
+        "--bandwidth", 0, "--out", tmp_path / "d",
+    )  # fmt: skip
+    assert limp.returncode == 0
+    assert "an arm for guiding by hand" in limp.stderr
