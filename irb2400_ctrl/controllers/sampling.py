@@ -45,8 +45,8 @@ def check_sampled_loop(robot: Robot, build: Callable[[float], Block], sample_tim
     Raises:
         InputError: unstable on an ideal drive; the message says which sample time would do.
     """
-    loops = _Loops(robot, postures(robot))
     block = build(sample_time)
+    loops = _Loops(robot, postures(robot))
     alone, where = loops.growth(block, ideal=True)
     late = alone
     if not alone:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +12,8 @@ from simulation.other_arms import PALLETISER, SINGLE, arm_of
 import irb2400_ctrl as irb
 from irb2400_ctrl.controllers import CONTROLLERS, controller, guarded
 from irb2400_ctrl.controllers.design import over_poses
+from irb2400_ctrl.controllers.sampling import check_sampled_loop
+from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.planners import joint_move
 from irb2400_ctrl.robot import Robot
 
@@ -57,3 +60,15 @@ def test_a_single_axis_is_an_arm(name: str, tmp_path: Path) -> None:
     run = irb.simulate(robot, fastest_move(robot, 2), block, hold=0.3)
     assert np.degrees(np.abs(run.q - run.q_ref)).max() < 8.0
     assert run.summary()["bounds_reached"]["brake_closed_s"] is None
+
+
+def test_a_joint_that_turns_nothing_is_refused_by_its_name(tmp_path: Path) -> None:
+    """It was "a fault of irb2400 itself": a singular matrix."""
+    (axis, body), *others = SINGLE
+    tip = (("0.3 0 0", *axis[1:]), (0.0, "0 0 0", (0.0, 0.0, 0.0)))
+    robot = arm_of(((axis, body), *others, tip), "tip", tmp_path)
+    for name in CONTROLLERS:
+        with pytest.raises(InputError, match="found no mass that j2 turns"):
+            controller(name, robot)
+        with pytest.raises(InputError, match="found no mass that j2 turns"):
+            check_sampled_loop(robot, partial(controller, name, robot), 0.001)
