@@ -14,3 +14,8 @@ def joined(names: Sequence[str], last: str = "and") -> str:
 def numbered(what: str, places: Sequence[int]) -> str:
     """`joint 4`, `joints 1, 3 and 4`."""
     return f"{what}{'s' if len(places) > 1 else ''} {joined([str(place) for place in places])}"
+
+
+def counted(number: int, what: str) -> str:
+    """`1 joint`, `6 joints`."""
+    return f"{number} {what}{'' if number == 1 else 's'}"

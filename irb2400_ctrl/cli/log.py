@@ -18,6 +18,7 @@ from irb2400_ctrl.cli.options import (
 )
 from irb2400_ctrl.cli.progress import step
 from irb2400_ctrl.cli.summary import Summary, answers
+from irb2400_ctrl.wording import counted
 
 if TYPE_CHECKING:
     from irb2400_ctrl.errors import InputError
@@ -97,7 +98,7 @@ def lines(check: LogCheck) -> list[str]:
     elif base.scatter > UNEVEN:
         stamps = "; the stamps are used as they are"
     found = [
-        f"{check.name}: {f.joints} joints, {f.samples} samples, {f.duration:.2f} s at "
+        f"{check.name}: {counted(f.joints, 'joint')}, {f.samples} samples, {f.duration:.2f} s at "
         f"{f.rate:.5g} Hz; columns {_some(f.channels)}",
         f"jitter {1e3 * round(base.scatter, 9):.3g} ms rms, {100 * base.lost:.3g} % lost, "
         f"{f.gaps} gaps, the longest {f.longest_gap:.3g} s{stamps}",
@@ -112,7 +113,7 @@ def lines(check: LogCheck) -> list[str]:
         ("noise of the torque [Nm]", "torque_noise_Nm"),
         ("made of it by noise of angles [Nm]", "torque_from_angle_noise_Nm"),
         ("lag behind the command [ms]", "lag_ms"),
-        ("left by the nominal model [%]", "left_of_torque_percent"),
+        ("left below 4 Hz, numbers fitted [%]", "left_of_torque_percent"),
     ):
         values = table[key]
         if values is not None:

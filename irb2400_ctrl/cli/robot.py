@@ -11,6 +11,7 @@ import typer
 from irb2400_ctrl.cli import robot_in
 from irb2400_ctrl.cli.options import OutOption, output_folder, robots_named
 from irb2400_ctrl.cli.summary import Summary, answers
+from irb2400_ctrl.wording import counted
 
 if TYPE_CHECKING:
     from irb2400_ctrl.robot import Robot
@@ -41,7 +42,8 @@ def show(robot: RobotArgument = "irb2400") -> Summary:
     from irb2400_ctrl.robot import load_robot
 
     arm = load_robot(robot)
-    print(f"{arm.name}: {arm.n} joints, {len(arm.effects)} effects. Source: {arm.source}")
+    holds = f"{counted(arm.n, 'joint')}, {counted(len(arm.effects), 'effect')}"
+    print(f"{arm.name}: {holds}. Source: {arm.source}")
     wide = max(10, *(len(joint.name) for joint in arm.joints))
     print(
         f"{'joint':<{wide}}   range deg      speed deg/s  torque Nm  Fs Nm  Fc Nm  Fv Nms/rad  "

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from irb2400_ctrl.cli.summary import Summary, answers
+from irb2400_ctrl.wording import counted
 
 if TYPE_CHECKING:
     from irb2400_ctrl.robot.importing import Payload
@@ -73,7 +74,7 @@ def import_(
     notes = [*found.notes, *of_outline, *arm.assumptions()]
     checks = plausibility(arm)
     said = [*(f"note: {note}" for note in notes), *(f"check: {note}" for note in checks)]
-    print("\n".join([f"{arm.name}: {arm.n} joints", *said, f"written: {out}"]))
+    print("\n".join([f"{arm.name}: {counted(arm.n, 'joint')}", *said, f"written: {out}"]))
     facts = {"name": arm.name, "joints": arm.n, "notes": notes, "checks": checks}
     return Summary(facts, [out])
 

@@ -7,6 +7,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import ArrayLike
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.codegen import Block, Field
 from irb2400_ctrl.controllers.compensation import Compensation
 from irb2400_ctrl.controllers.parts import (
@@ -19,10 +20,27 @@ from irb2400_ctrl.controllers.parts import (
     signals_in,
     torque_out,
 )
-from irb2400_ctrl.controllers.scaling import typical_inertia
+from irb2400_ctrl.controllers.scaling import (
+    fastest_crossover,
+    heaviest,
+    slowed,
+    typical_inertia,
+)
 from irb2400_ctrl.robot import Robot
 from irb2400_ctrl.typed import typed
 
+POSITION = 20.0
+"""gain of the position loop [1/s], where the arm bears it"""
+SPEED = 80.0
+"""crossover of the speed loop [rad/s], where the arm bears it"""
+INTEGRAL = 0.12
+"""Ti of the speed loop [s], where the arm bears it"""
+INNER = 4.0
+"""largest gain of the position loop in units of the slowest speed loop's crossover: damping 0.25"""
+LAG = 1.5
+LAG_OF_POSITION = 1.2
+"""least Ti in units of the slowest speed loop's crossover, and the same per square of the position
+gain in these units: sensitivity peak 2.5 of one inertia"""
 DEADBAND = 1e-4
 """angle error [rad] that the integral leaves alone at rest; against static friction it would creep
 and hunt"""
@@ -33,9 +51,9 @@ def pid(
     robot: Robot,
     sample_time: float = 0.001,
     *,
-    position_bandwidth: ArrayLike = 20.0,
-    speed_bandwidth: ArrayLike = 80.0,
-    integral_time: ArrayLike = 0.12,
+    position_bandwidth: ArrayLike | None = None,
+    speed_bandwidth: ArrayLike | None = None,
+    integral_time: ArrayLike | None = None,
     speed_feedforward: ArrayLike = 1.0,
 ) -> Block:
     """tau = Kv e_v + I,  e_v = Kp (q_ref - q) + ff qd_ref - qd,  dI/dt = Kv e_v / Ti: a drive's
@@ -47,9 +65,10 @@ def pid(
 
     Args:
         robot: the arm it knows; sample_time: period [s].
-        position_bandwidth: gain Kp of the position loop [1/s].
-        speed_bandwidth: crossover of the speed loop [rad/s].
-        integral_time: Ti of the speed loop [s].
+        position_bandwidth: gain Kp of the position loop [1/s]; default 20.
+        speed_bandwidth: crossover of the speed loop [rad/s]; default 80.
+        integral_time: Ti of the speed loop [s]; default 0.12. Where the inertia spans more over the
+            postures than these bear at the sample time, the defaults are slower.
         speed_feedforward: share of the reference speed that is fed forward [-].
     """
     return _cascade(
@@ -63,9 +82,9 @@ def feedforward_pid(
     robot: Robot,
     sample_time: float = 0.001,
     *,
-    position_bandwidth: ArrayLike = 20.0,
-    speed_bandwidth: ArrayLike = 80.0,
-    integral_time: ArrayLike = 0.12,
+    position_bandwidth: ArrayLike | None = None,
+    speed_bandwidth: ArrayLike | None = None,
+    integral_time: ArrayLike | None = None,
     speed_feedforward: ArrayLike = 1.0,
     tables: bool = False,
 ) -> Block:
@@ -85,17 +104,52 @@ def feedforward_pid(
     )  # fmt: skip
 
 
+def _speeds(
+    robot: Robot,
+    sample_time: float,
+    position: ArrayLike | None,
+    speed: ArrayLike | None,
+    time: ArrayLike | None,
+) -> tuple[ArrayLike, Array, Array]:
+    """Kp [1/s], Kv [Nm s/rad] and Ti [s]: those stated, the others as fast as margins over all
+    postures allow.
+
+    With the inertia m in units of J the loop is m s^3 + w (s + 1 / Ti) (s + Kp): w / m has to stay
+    below what the drive's delay allows where the arm is lightest. Where it is heaviest, it has to
+    be above 1 / (1 / Kp + Ti) (Routh), here by a margin.
+
+    Args:
+        robot: the arm.
+        sample_time: [s].
+        position, speed, time: as stated, None: not.
+    """
+    J = typical_inertia(robot)
+    if speed is None:
+        kv = slowed(robot, J * SPEED, fastest_crossover(sample_time))
+    else:
+        kv = J * gain(robot, "speed_bandwidth", "rad/s", "", speed).start
+    slow = np.full(robot.n, SPEED)
+    if (position is None or time is None) and kv.all():
+        slow = 1 / heaviest(robot, kv)
+    if position is None:
+        position = np.minimum(POSITION, INNER * slow)
+    if time is None:
+        kp = gain(robot, "position_bandwidth", "1/s", "", position).start
+        least = np.maximum(LAG, LAG_OF_POSITION * (kp / slow) ** 2)
+        time = np.maximum(INTEGRAL, least / slow)
+    return position, kv, gain(robot, "integral_time", "s", "", time).start
+
+
 def _cascade(
     name: str,
     doc: str,
     robot: Robot,
     sample_time: float,
     model: Compensation | None,
-    wish: tuple[ArrayLike, ArrayLike, ArrayLike, ArrayLike],
+    wish: tuple[ArrayLike | None, ArrayLike | None, ArrayLike | None, ArrayLike],
 ) -> Block:
-    position, speed, time, share = wish
-    kv = typical_inertia(robot) * gain(robot, "speed_bandwidth", "rad/s", "", speed).start
-    ti = gain(robot, "integral_time", "s", "", time).start
+    *stated, share = wish
+    position, kv, ti = _speeds(robot, sample_time, *stated)
     parameters = (
         gain(robot, "kp", "1/s", "speed per angle error", position),
         gain(robot, "kv", "Nm s/rad", "torque per speed error", kv),

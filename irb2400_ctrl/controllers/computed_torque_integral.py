@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.codegen import Block, Field
 from irb2400_ctrl.controllers.compensation import Compensation
 from irb2400_ctrl.controllers.computed_torque import pd_gains, wanted_acceleration
@@ -18,9 +19,15 @@ from irb2400_ctrl.controllers.parts import (
     signals_in,
     torque_out,
 )
-from irb2400_ctrl.controllers.scaling import typical_inertia
+from irb2400_ctrl.controllers.scaling import inertia_span, typical_inertia
 from irb2400_ctrl.robot import Robot
 from irb2400_ctrl.typed import typed
+
+INTEGRAL = 0.1
+"""Ti [s], where the arm bears it"""
+OVERTAKEN = 1.8
+"""least Kd Ti m in the lightest direction, m in units of J: sensitivity peak 1.6; unstable below
+1"""
 
 
 @typed
@@ -30,26 +37,26 @@ def computed_torque_integral(
     *,
     bandwidth: ArrayLike = 60.0,
     damping: ArrayLike = 1.0,
-    integral_time: ArrayLike = 0.1,
+    integral_time: ArrayLike | None = None,
     deadband: ArrayLike = 1e-4,
     tables: bool = False,
 ) -> Block:
     """Computed torque plus an integral torque: tau = tau_ct + I,  dI/dt = J Kp e / Ti.
 
-    J is `typical_inertia`. Anti-windup by back-calculation. While the reference rests and the error
+    J: `typical_inertia`. Anti-windup by back-calculation. While the reference rests and the error
     is inside the deadband the integral holds still: against static friction it would otherwise
     creep and hunt.
 
     Args:
         robot: the arm it knows; sample_time: period [s].
         bandwidth, damping: of the error, as in `computed_torque`.
-        integral_time: Ti [s].
+        integral_time: Ti [s]; default 0.1, longer where the arm gets too light for that.
         deadband: angle error that is left alone at rest [rad].
         tables: as in `computed_torque`.
     """
     model = Compensation(robot, sample_time, tables)
     kp, kd = pd_gains(robot, bandwidth, damping)
-    ti = gain(robot, "integral_time", "s", "", integral_time).start
+    ti = _integral_time(robot, integral_time, kd.start)
     ki = typical_inertia(robot) * kp.start / np.maximum(ti, 1e-6)
     slow = np.maximum(ti, sample_time)
     parameters = (
@@ -84,3 +91,19 @@ def computed_torque_integral(
         parameters=parameters,
         told=(wanted_acceleration(robot), *model.told),
     )
+
+
+def _integral_time(robot: Robot, stated: ArrayLike | None, kd: Array) -> Array:
+    """Ti [s]: the loop is s^3 + Kd s^2 + Kp s + Kp / (m Ti), unstable where Kd Ti m < 1 (Routh).
+
+    Args:
+        robot: the arm.
+        stated: by the user, None: not.
+        kd: acceleration per speed error [1/s], shape (n,).
+    """
+    if stated is None:
+        stated = INTEGRAL
+        if kd.all():
+            light = inertia_span(robot, typical_inertia(robot)).light
+            stated = max(INTEGRAL, OVERTAKEN / (light * float(kd.min())))
+    return gain(robot, "integral_time", "s", "", stated).start

@@ -209,14 +209,15 @@ class WorstCase:
     sensitivity: float
     phase: float
     gain_up: float
+    gain_down: float
     delay: float
 
     def __str__(self) -> str:
         state = "stable" if self.stable else "UNSTABLE"
         return (
             f"{state}, coupled peak {self.coupled_peak:.2f}, Ms {self.sensitivity:.2f}, "
-            f"phase {np.degrees(self.phase):.0f} deg, gain x{self.gain_up:.1f}, delay "
-            f"{1e3 * self.delay:.1f} ms"
+            f"phase {np.degrees(self.phase):.0f} deg, gain x{self.gain_down:.2f} .. "
+            f"x{self.gain_up:.1f}, delay {1e3 * self.delay:.1f} ms"
         )
 
 
@@ -242,6 +243,7 @@ def over_poses(
         sensitivity=max(m.sensitivity for m in joints),
         phase=min(m.phase for m in joints),
         gain_up=min(m.gain_up for m in joints),
+        gain_down=max(m.gain_down for m in joints),
         delay=min(m.delay for m in joints),
     )
 

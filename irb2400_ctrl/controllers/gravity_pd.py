@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import numpy as np
 from numpy.typing import ArrayLike
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.codegen import Block, Field
 from irb2400_ctrl.controllers.parts import (
     Values,
@@ -14,10 +16,19 @@ from irb2400_ctrl.controllers.parts import (
     signals_in,
     torque_out,
 )
-from irb2400_ctrl.controllers.scaling import typical_inertia
+from irb2400_ctrl.controllers.scaling import (
+    RINGING,
+    fastest_crossover,
+    heaviest,
+    slowed,
+    typical_inertia,
+)
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.robot import Robot
 from irb2400_ctrl.typed import typed
+
+BANDWIDTH = 40.0
+"""natural frequency of an axis alone [rad/s], where the arm bears it"""
 
 
 @typed
@@ -25,8 +36,8 @@ def gravity_pd(
     robot: Robot,
     sample_time: float = 0.001,
     *,
-    bandwidth: ArrayLike = 40.0,
-    damping: ArrayLike = 1.0,
+    bandwidth: ArrayLike | None = None,
+    damping: ArrayLike | None = None,
 ) -> Block:
     """tau = G(q) + Kp (q_ref - q) + Kd (qd_ref - qd).
 
@@ -34,9 +45,14 @@ def gravity_pd(
 
     Args:
         robot: the arm it knows; sample_time: period [s].
-        bandwidth: natural frequency of an axis alone [rad/s], one or one per joint.
-        damping: damping ratio [-], one or one per joint.
+        bandwidth: natural frequency of an axis alone [rad/s], one or one per joint; default 40.
+        damping: damping ratio [-], one or one per joint; default 1. Where the inertia spans more
+            over the postures than these bear at the sample time, the defaults are slower.
     """
+    if bandwidth is None and damping is None:
+        bandwidth, damping = _speeds(robot, sample_time)
+    bandwidth = BANDWIDTH if bandwidth is None else bandwidth
+    damping = 1.0 if damping is None else damping
     omega = gain(robot, "bandwidth", "rad/s", "natural frequency of an axis alone", bandwidth).start
     zeta = gain(robot, "damping", "-", "damping ratio", damping).start
     J = typical_inertia(robot)
@@ -68,3 +84,18 @@ def gravity_pd(
             *errors(robot),
         ),
     )
+
+
+def _speeds(robot: Robot, sample_time: float) -> tuple[Array, Array]:
+    """Bandwidth [rad/s] and damping ratio of each joint, as fast as margins over all postures
+    allow.
+
+    With the inertia m in units of Kd the loop is m s^2 + s + Kp / Kd: 1 / m has to stay below what
+    the drive's delay allows where the arm is lightest, and the damping ratio above `RINGING` where
+    it is heaviest.
+    """
+    J = typical_inertia(robot)
+    kd = slowed(robot, 2 * BANDWIDTH * J, fastest_crossover(sample_time))
+    kp = kd * np.minimum(BANDWIDTH / 2, 1 / (4 * RINGING**2 * heaviest(robot, kd)))
+    bandwidth = np.sqrt(kp / J)
+    return bandwidth, kd / (2 * J * bandwidth)

@@ -6,6 +6,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import casadi as ca
+import numpy as np
 from numpy.typing import ArrayLike
 
 from irb2400_ctrl.codegen import Block, Field
@@ -24,13 +25,18 @@ FRESH = Field(
 )
 BRAKE = Field("brake", 1, "-", "1: close the brakes", lower=(0.0,), upper=(1.0,))
 
+TORQUE_RATE = 100_000.0
+"""[Nm/s]"""
+LIMITS_A_SECOND = 75.0
+"""torque limits: plans change by up to 50, what the loop adds comes on top"""
+
 
 @typed
 def guarded(
     block: Block,
     robot: Robot,
     *,
-    torque_rate: ArrayLike = 100_000.0,
+    torque_rate: ArrayLike | None = None,
     start_time: float = 0.05,
     most_lost: int = 20,
     consistency: bool = True,
@@ -39,7 +45,8 @@ def guarded(
 
     - **Bumpless start.** tau = wanted + (1 - s) (hold - wanted_0): what the torque of the released
       brake (parameter `hold`, [Nm]) has beside the controller's first goes within `start_time`.
-    - **Torque rate.** The command moves by at most `torque_rate` per second.
+    - **Torque rate.** The command moves by at most `torque_rate` per second: 100 kNm/s, or 75
+      torque limits a second where that is more, as fast as the torque of a plan changes.
     - **Samples that cannot be true** (`fresh` 0, no numbers, outside the joint box or twice the
       speed limits, a jump) are not used: the controller goes on as if the arm were on the
       reference. After `most_lost` in a row the brake closes.
@@ -55,7 +62,7 @@ def guarded(
 
     Args:
         block: a controller with inputs q, qd, the reference, and output tau.
-        torque_rate: [Nm/s], one or one per joint.
+        torque_rate: [Nm/s], one or one per joint, if not as above.
         start_time: [s].
         most_lost: samples that may be missing in a row.
         consistency: with the momentum observer.
@@ -219,7 +226,10 @@ def _states(n: int) -> tuple[Field, ...]:
     )
 
 
-def _parameters(robot: Robot, torque_rate: ArrayLike) -> tuple[Field, ...]:
+def _parameters(robot: Robot, torque_rate: ArrayLike | None) -> tuple[Field, ...]:
+    if torque_rate is None:
+        known = np.where(np.isfinite(robot.tau_bound), robot.tau_bound, 0.0)
+        torque_rate = np.maximum(TORQUE_RATE, LIMITS_A_SECOND * known)
     return (
         Field("hold", robot.n, "Nm", "torque at which the brake is released"),
         gain(robot, "torque_rate", "Nm/s", "largest change of the command", torque_rate),

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.codegen import Block, Field, compile_block, compile_function
 from irb2400_ctrl.controllers.margins import Margins, frequencies, margins
+from irb2400_ctrl.controllers.scaling import typical_inertia
 from irb2400_ctrl.controllers.timing import Timing
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.given import finite
@@ -105,17 +106,18 @@ def arm_rate(robot: Robot, x: ca.SX, tau: ca.SX) -> ca.SX:
     drive = tau - ca.DM(FrictionLaw.of(robot).viscous) * qd
     # in contact: on which side of its gap a joint stands is decided by the pose, and the slope is
     # the same
-    side = 0.5 * gap * ca.sign(q[soft] - link)
-    spring = wound_torque(q[soft] - link - side, stiffness, bent) + damping * (qd[soft] - link_rate)
-    motors = (drive[soft] - spring) / inertia
-    angles[soft] = link
-    speeds[soft] = link_rate
-    drive[soft] = spring
+    side = 0.5 * gap * ca.sign(q[soft, 0] - link)
+    wound = wound_torque(q[soft, 0] - link - side, stiffness, bent)
+    spring = wound + damping * (qd[soft, 0] - link_rate)
+    motors = (drive[soft, 0] - spring) / inertia
+    angles[soft, 0] = link
+    speeds[soft, 0] = link_rate
+    drive[soft, 0] = spring
     free = Model(links_only(robot)).function("forward_dynamics_without_friction")
     links = free(angles, speeds, drive, 0)
     actuators = ca.SX(links)
-    actuators[soft] = motors
-    return ca.vertcat(qd, link_rate, actuators, links[soft])
+    actuators[soft, 0] = motors
+    return ca.vertcat(qd, link_rate, actuators, links[soft, 0])
 
 
 def viscous_dynamics(model: Model) -> ca.Function:
@@ -251,11 +253,14 @@ class LinearLoop:
 
     @cached_property
     def sensitivity(self) -> NDArray[np.complex128]:
-        """S = (1 + L)^-1 at the torque command, in units of the torque limits, shape (k, n, n)."""
-        response = np.moveaxis(
-            self.open_loop(np.exp(1j * self.omega * self.timing.sample_time)), -1, 0
-        )
-        scaled = response * self.robot.tau_max / self.robot.tau_max[:, None]
+        """S = (1 + L)^-1 at the torque command, in units of the torque limits, where one is
+        unknown of what turns each joint at one acceleration, shape (k, n, n)."""
+        z = np.exp(1j * self.omega * self.timing.sample_time)
+        response = np.moveaxis(self.open_loop(z, squeeze=False), -1, 0)
+        unit = self.robot.tau_bound
+        if not np.isfinite(unit).all():
+            unit = typical_inertia(self.robot)
+        scaled = response * unit / unit[:, None]
         return np.asarray(np.linalg.inv(np.eye(self.robot.n) + scaled))
 
     @property

@@ -45,7 +45,8 @@ def margins(omega: Array, L: Response) -> Margins:
     """Margins of the loop whose response at the angular frequencies `omega` [rad/s] is L, both
     shape (k,)."""
     magnitude = np.abs(L)
-    level = np.log(magnitude)
+    # a controller without gains has none of its own
+    level = np.log(np.maximum(magnitude, np.finfo(float).tiny))
     cross = np.flatnonzero(np.diff(np.sign(level)) != 0)
     share = level[cross] / (level[cross] - level[cross + 1])
     w = omega[cross] * (omega[cross + 1] / omega[cross]) ** share

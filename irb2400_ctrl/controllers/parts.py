@@ -14,7 +14,9 @@ from irb2400_ctrl.codegen import Block, Field
 from irb2400_ctrl.codegen.block import Quantities
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.given import numbers
+from irb2400_ctrl.model import Model
 from irb2400_ctrl.robot import Robot
+from irb2400_ctrl.wording import joined
 
 BEYOND = 0.05
 """how far beyond the joint box an angle is still believed [rad]: an arm at its limit overshoots a
@@ -23,6 +25,8 @@ FASTEST = 2.0
 """largest speed that is believed, as a multiple of the robot's limit: a filtered difference of
 angles overshoots; ten times the limit is a wrong unit or a broken encoder"""
 
+ROUNDING = 1e-12
+"""of the largest inertia: less is none"""
 LONGEST = 1.0
 """longest sample time [s]: more is a rate, or milliseconds"""
 
@@ -34,12 +38,20 @@ def check_masses(robot: Robot) -> None:
     """Gains and torques of a controller follow from the arm's masses.
 
     Raises:
-        InputError: no link has one.
+        InputError: no link has one, or none that a joint turns.
     """
     if robot.weightless:
         raise InputError(
             f"{robot.name}: found no link with a mass, expected those of the arm: the torques of a "
             "controller mean nothing without; state [[links]] body, or identify them"
+        )
+    own = np.diagonal(Model(robot).mass_matrix((robot.q_min + robot.q_max) / 2))
+    least = ROUNDING * own.max()
+    idle = [joint.name for joint, M in zip(robot.joints, own, strict=True) if least >= M]
+    if idle:
+        raise InputError(
+            f"{robot.name}: found no mass that {joined(idle)} turns, expected some at every joint: "
+            "no torque has a meaning there; state the body of its link, a tool, or rotor_inertia"
         )
 
 

@@ -3,23 +3,31 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
 
+import casadi as ca
 import numpy as np
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.codegen import Block
 from irb2400_ctrl.controllers.linear import LinearLoop
+from irb2400_ctrl.controllers.scaling import inertia_span, typical_inertia
 from irb2400_ctrl.controllers.timing import Timing
 from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.model import Model
 from irb2400_ctrl.robot import Robot
 
 POSES = 8
 HALVINGS = 7
 """of the sample time, in search of one that would do"""
 SLOW = 1.0
-"""[1/s] of a growth that is not called unstable. An arm without gains, guided by hand, has 0.1 at a
-millisecond, because the held torque balances the weight of a sample ago; where a rate is too low
-for its gains, one percent more of the sample time passes it."""
+"""[1/s] of a growth that is not called unstable where it is the weight's"""
+NEUTRAL = 0.01
+"""[1/s] of a growth that is rounding"""
+OF_THE_WEIGHT = 1.1
+"""growth that is the weight's, as a multiple of what a torque held for a while makes of it: an arm
+without gains, guided by hand, whose weight is balanced a sample late, has 1"""
 
 
 def check_sampled_loop(robot: Robot, build: Callable[[float], Block], sample_time: float) -> str:
@@ -37,28 +45,29 @@ def check_sampled_loop(robot: Robot, build: Callable[[float], Block], sample_tim
     Raises:
         InputError: unstable on an ideal drive; the message says which sample time would do.
     """
-    poses = _poses(robot)
     block = build(sample_time)
-
-    def growth(tried: Block, *, ideal: bool) -> float:
-        """Of the fastest error [1/s], negative where all fade."""
-        T = tried.sample_time
-        timing = Timing(T, delay_samples=0, speed_filter_Hz=0.0) if ideal else Timing(T)
-        loops = (LinearLoop(robot, tried, q, timing) for q in poses)
-        return float(np.log(max(np.abs(loop.poles).max() for loop in loops))) / T
-
-    alone = growth(block, ideal=True)
-    late = alone if alone > SLOW else growth(block, ideal=False)
-    if late <= SLOW:
+    loops = _Loops(robot, postures(robot))
+    alone, where = loops.growth(block, ideal=True)
+    late = alone
+    if not alone:
+        late, where = loops.growth(block, ideal=False)
+    if not late:
         return ""
     tries = (build(sample_time / 2**k) for k in range(1, HALVINGS + 1))
-    enough = next((b.sample_time for b in tries if growth(b, ideal=False) <= SLOW), None)
-    advice = f"ask for other gains: a rate {2**HALVINGS} times as high is not enough"
+    enough = next((b.sample_time for b in tries if not loops.growth(b, ideal=False)[0]), None)
+    advice = (
+        f"ask for other gains, or leave them to the default: a rate {2**HALVINGS} times as high is "
+        "not enough"
+    )
     if enough is not None:
-        advice = f"sample every {enough:g} s (good for a usual drive, too) or lower the bandwidth"
+        advice = (
+            f"sample every {enough:g} s (good for a usual drive, too) or ask for other gains, such "
+            "as a lower bandwidth"
+        )
     said = f"{block.name} sampled every {sample_time:g} s"
-    grows = f"an error doubles every {np.log(2) / late:.2g} s"
-    if alone <= SLOW:
+    angles = ", ".join(f"{angle:.0f}" for angle in np.degrees(where))
+    grows = f"with the joints at {angles} deg an error doubles every {np.log(2) / late:.2g} s"
+    if not alone:
         return (
             f"{said} is unstable with a drive that is a sample late and filters its speed at "
             f"250 Hz: {grows}; {advice}"
@@ -68,10 +77,44 @@ def check_sampled_loop(robot: Robot, build: Callable[[float], Block], sample_tim
     )
 
 
-def _poses(robot: Robot) -> Array:
-    """Angles all over the joint box, at most a turn of each joint, its middle first [rad], shape
-    (k, n)."""
+@dataclass(frozen=True, eq=False)
+class _Loops:
+    """An arm at some poses [rad], shape (k, n)."""
+
+    robot: Robot
+    poses: Array
+
+    @cached_property
+    def weights(self) -> Array:
+        """How fast the weight alone speeds up an error, per angle [1/s2]: largest eigenvalue of
+        M^-1 dG/dq at each pose, shape (k,)."""
+        model = Model(self.robot)
+        q = ca.SX.sym("q", self.robot.n)
+        slope = ca.Function("slope", [q], [ca.jacobian(model.function("gravity")(q), q)])
+        slopes = np.stack([ca.DM(slope(pose)).full() for pose in self.poses])
+        rates = np.linalg.solve(model.mass_matrix(self.poses), slopes)
+        return np.asarray(np.abs(np.linalg.eigvals(rates)).max(axis=1))
+
+    def growth(self, block: Block, *, ideal: bool) -> tuple[float, Array]:
+        """Of the fastest error [1/s], zero where all fade or are the weight's; and the pose."""
+        T = block.sample_time
+        timing = Timing(T, delay_samples=0, speed_filter_Hz=0.0) if ideal else Timing(T)
+        worst = 0.0
+        where = self.poses[0]
+        for q, pull in zip(self.poses, self.weights, strict=True):
+            rate = float(np.log(np.abs(LinearLoop(self.robot, block, q, timing).poles).max())) / T
+            held = T * (timing.delay_samples + 0.5) * float(pull)
+            if rate > max(worst, NEUTRAL, min(SLOW, OF_THE_WEIGHT * held)):
+                worst = rate
+                where = q
+        return worst, where
+
+
+def postures(robot: Robot) -> Array:
+    """Angles all over the joint box, at most a turn of each joint, its middle first; the lightest
+    and the heaviest posture last [rad], shape (k, n)."""
     share = np.random.default_rng(2400).uniform(-0.8, 0.8, (POSES, robot.n))
     share[0] = 0.0
     half = np.minimum((robot.q_max - robot.q_min) / 2, np.pi)
-    return np.asarray((robot.q_min + robot.q_max) / 2 + share * half)
+    span = inertia_span(robot, typical_inertia(robot))
+    return np.vstack([(robot.q_min + robot.q_max) / 2 + share * half, span.lightest, span.heaviest])

@@ -51,8 +51,9 @@ class LogCheck:
         problem: why the log cannot be taken as labelled; None when it is sound.
         made_by_angles: torque noise that the angles' own noise makes, shape (n,) [Nm]; None
             without a robot.
-        left: share of each joint's torque that the nominal model leaves, as labelled; None
-            without a robot or where the log is too short.
+        left: share of each joint's slow torque that the robot's model leaves once all that may
+            differ is let differ, rms over rms, as labelled; None without a robot or where the log
+            is too short.
         remarks: what the reader should know besides.
     """
 

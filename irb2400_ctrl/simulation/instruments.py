@@ -3,13 +3,18 @@ stream adds."""
 
 from __future__ import annotations
 
+import math
 from typing import Annotated
 
 from pydantic import Field
 
+from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.table import Table
 
 NotNegative = Annotated[float, Field(ge=0)]
+
+CLOSE = 1e-3
+"""relative difference to the control rate divided by a whole number that is how one writes it"""
 
 
 class Sensors(Table):
@@ -28,7 +33,27 @@ class Sensors(Table):
     torque_noise_Nm: NotNegative = 0.0
     """standard deviation of the reported torque's noise"""
     rate_Hz: Annotated[float, Field(gt=0)] = 250.0
-    """rate of the data stream"""
+    """rate of the data stream, the control rate divided by a whole number; if absent the one of
+    these that is next to 250"""
+
+    def streamed(self, control_rate: float) -> Sensors:
+        """With the rate that the stream has at a control rate [Hz].
+
+        Raises:
+            InputError: another rate is stated.
+        """
+        asked = control_rate / self.rate_Hz
+        every = max(1, round(asked))
+        if "rate_Hz" in self.model_fields_set and abs(asked - every) > CLOSE * every:
+            slower = control_rate / math.ceil(asked)
+            faster = control_rate / max(1, math.floor(asked))
+            tries = " or ".join(f"{rate:.7g}" for rate in dict.fromkeys((slower, faster)))
+            raise InputError(
+                f"sensors: found rate_Hz = {self.rate_Hz:g}; expected the control rate, "
+                f"{control_rate:g} Hz, divided by a whole number, because the log holds samples of "
+                f"the controller; try {tries}"
+            )
+        return self.model_copy(update={"rate_Hz": control_rate / every})
 
 
 class Actuators(Table):

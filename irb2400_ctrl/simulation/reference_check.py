@@ -14,6 +14,9 @@ FAR_RAD = 0.5
 """farther outside the joint box than any arm gets [rad]; nearer is simulated, and said"""
 FAR_SPEED = 3.0
 """the same for speeds, as a multiple of the limits"""
+BETWEEN_SAMPLES = 0.005
+"""of the speed limit, by which a motion that comes to it between two samples of 4 ms is read above
+it; 0.0034 for a move of 32 ms"""
 OTHER_TORQUES = 0.7
 """of the torques of half of the joints, which are another arm's; 20 kg more at the flange of an IRB
 2400 change them by 0.3 to 0.6, another arm by 0.9 and more"""
@@ -71,8 +74,9 @@ def outside_box(robot: Robot, q: Array) -> list[int]:
 
 
 def too_fast(robot: Robot, qd: Array) -> list[int]:
-    """Axes (from 1) that are faster than their limits."""
-    over = np.abs(qd).max(axis=0) > robot.qd_bound * (1 + 1e-9)
+    """Axes (from 1) that are faster than their limits, by more than what reading a motion between
+    its samples adds."""
+    over = np.abs(qd).max(axis=0) > robot.qd_bound * (1 + BETWEEN_SAMPLES)
     return [int(j) + 1 for j in np.flatnonzero(over)]
 
 

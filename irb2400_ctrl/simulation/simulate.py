@@ -201,7 +201,7 @@ def make_loop(
         from irb2400_ctrl.controllers import controller as by_name
 
         controller = by_name(controller, robot, 1.0 / rate)
-    sensors = Sensors() if sensors is None else sensors
+    sensors = (sensors or Sensors()).streamed(1.0 / controller.sample_time)
     actuators = Actuators() if actuators is None else actuators
     if substeps is None:
         substeps = usual_substeps(arm, controller.sample_time)

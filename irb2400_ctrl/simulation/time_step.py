@@ -61,8 +61,8 @@ def time_step(
         q_m, qd_m, acceleration, x.time + 0.5 * h, x.memory
     )
     # the viscous friction of an elastic joint brakes its motor, not its link
-    viscous = mechanics.law.viscous[soft]
-    bias[soft] -= viscous * qd_m[soft]
+    viscous = mechanics.law.viscous[soft, 0]
+    bias[soft, 0] -= viscous * qd_m[soft, 0]
     if wrench:
         bias -= kinematics.tcp_jacobian(robot, q_m).T @ w
     held = _Held(
@@ -139,8 +139,8 @@ def _friction_step(x: _State, held: _Held, part: float, sweeps: int) -> _State:
     stiff = [j for j in range(x.q.numel()) if j not in soft]
     spring = _spring_torque(x, held, part)
     acting = held.W @ (_put(held.tau, soft, spring) - held.bias)
-    braking = held.viscous * (x.qd[soft] + 0.5 * part * x.qdd[soft])
-    motors = (held.tau[soft] - spring - braking) / held.elastic[:, 2]
+    braking = held.viscous * (x.qd[soft, 0] + 0.5 * part * x.qdd[soft, 0])
+    motors = (held.tau[soft, 0] - spring - braking) / held.elastic[:, 2]
     free = _put(acting, soft, motors)
     v_end, dry = dry_friction_step(
         x.qd,
@@ -150,7 +150,7 @@ def _friction_step(x: _State, held: _Held, part: float, sweeps: int) -> _State:
         (x.qd + part * x.qdd, x.dry),
         sweeps,
     )
-    link_end = x.link_rate + part * (acting[soft] - held.W[soft, stiff] @ dry[stiff])
+    link_end = x.link_rate + part * (acting[soft, 0] - held.W[soft, stiff] @ dry[stiff, 0])
     return replace(
         x,
         q=x.q + 0.5 * part * (x.qd + v_end),
@@ -167,12 +167,12 @@ def _spring_torque(x: _State, held: _Held, part: float) -> ca.SX:
     """(k / a) sinh(a twist beyond the gap) + d twist rate of the elastic joints, where the teeth
     touch."""
     soft = held.soft
-    rate = x.qd[soft] - x.link_rate
-    twist = x.q[soft] - x.link + 0.5 * part * rate
+    rate = x.qd[soft, 0] - x.link_rate
+    twist = x.q[soft, 0] - x.link + 0.5 * part * rate
     half_gap = 0.5 * held.elastic[:, 3]
     wound = twist - ca.fmin(ca.fmax(twist, -half_gap), half_gap)
     touching = ca.logic_or(wound != 0, half_gap == 0)
-    twisting = rate + 0.5 * part * (x.qdd[soft] - x.link_acc)
+    twisting = rate + 0.5 * part * (x.qdd[soft, 0] - x.link_acc)
     stiffness = held.elastic[:, 0]
     damping = held.elastic[:, 1]
     torque = wound_torque(wound, stiffness, held.elastic[:, 4])

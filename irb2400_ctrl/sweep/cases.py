@@ -142,7 +142,7 @@ class Runner:
             seed=seed,
         )
         # the noise of the log is no part of the loop
-        noisy = study.sensors.model_copy(update={"torque_noise_Nm": plant.torque_noise_Nm})
+        noisy = simulation.sensors.model_copy(update={"torque_noise_Nm": plant.torque_noise_Nm})
         return replace(simulation, sensors=noisy)
 
     def run(self, index: int) -> CaseOutcome:
@@ -224,13 +224,16 @@ def figures(simulation: Simulation) -> Row:
     row: Row = {"duration_s": s["duration_s"]}
     for name in ("tcp_error", "contour_error"):
         row |= {f"{name}_{key}_mm": s[f"{name}_mm"][key] for key in ("rms", "max")}
-    for j, (error, ratio, share) in enumerate(
-        zip(s["joint_error_deg"]["max"], s["max_torque_ratio"], s["saturated_share"], strict=True)
-    ):
+    row["refused_share"] = float(np.mean(simulation.signals["fault"]))
+    stopped = np.mean(simulation.signals["end_stop"] != 0, axis=0).tolist()
+    errors = s["joint_error_deg"]["max"]
+    each = zip(errors, s["max_torque_ratio"], s["saturated_share"], stopped, strict=True)
+    for j, (error, ratio, share, stop) in enumerate(each):
         row |= {
             f"joint{j + 1}_error_max_deg": error,
             f"joint{j + 1}_torque_ratio_max": ratio,
             f"joint{j + 1}_saturated_share": share,
+            f"joint{j + 1}_end_stop_share": stop,
         }
     return row
 

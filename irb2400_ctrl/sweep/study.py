@@ -133,6 +133,10 @@ class Study(Table):
             problems += [
                 f"{what}: two are called {name!r}; give each a name of its own" for name in doubles
             ]
+        try:
+            self.sensors.streamed(self.rate_Hz)
+        except InputError as error:
+            problems.append(str(error))
         for i, control in enumerate(self.controllers):
             problems += [
                 f"controllers[{i + 1}]: {p}" for p in control.problems(self.robot, self.rate_Hz)

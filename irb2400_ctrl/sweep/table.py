@@ -71,6 +71,10 @@ class SummaryLine:
     failed: int
     saturated: int
     """runs in which a joint reached its torque limit"""
+    stopped: int
+    """runs in which a joint hit its end stop"""
+    refused: int
+    """runs with samples that the C package refuses (FAULT_INPUT)"""
 
     def quantile(self, share: float) -> float:
         """Error that this share of the runs stays below [mm]; NaN when none succeeded."""
@@ -85,6 +89,8 @@ class SummaryLine:
             "controller": self.controller,
             "tcp_error_rms_mm": {name: self.quantile(share) for name, share in shares.items()},
             "saturated": self.saturated,
+            "stopped": self.stopped,
+            "refused": self.refused,
             "failed": self.failed,
         }
 
@@ -97,21 +103,26 @@ def summarise(rows: Iterable[Row]) -> list[SummaryLine]:
     lines = []
     for key, members in groups.items():
         good = [row for row in members if row["status"] == "ok"]
-        hit = [
-            any(row[name] > 0 for name in row if name.endswith("_saturated_share")) for row in good
-        ]
         errors = tuple(sorted(float(row["tcp_error_rms_mm"]) for row in good))
         motion, speed, controller = key
-        lines.append(
-            SummaryLine(controller, motion, speed, errors, len(members) - len(good), sum(hit))
-        )
+        counts = [
+            _with(good, end) for end in ("_saturated_share", "_end_stop_share", "refused_share")
+        ]
+        failed = len(members) - len(good)
+        lines.append(SummaryLine(controller, motion, speed, errors, failed, *counts))
     return lines
+
+
+def _with(rows: list[Row], end: str) -> int:
+    """Rows with a number above zero in a column of that ending."""
+    return sum(any(row[name] > 0 for name in row if name.endswith(end)) for row in rows)
 
 
 @typed
 def summary_text(lines: Iterable[SummaryLine]) -> str:
-    """The lines as a short table."""
-    head = ("motion", "speed", "controller", "median", "95 %", "worst", "limit", "failed")
+    """The lines as a short table; below it what samples were refused."""
+    lines = list(lines)
+    head = ("motion", "speed", "controller", "median", "95 %", "worst", "limit", "stop", "failed")
     body = [
         (
             line.motion,
@@ -119,14 +130,23 @@ def summary_text(lines: Iterable[SummaryLine]) -> str:
             line.controller,
             *(f"{line.quantile(share):.3f}" for share in (0.5, 0.95, 1.0)),
             str(line.saturated),
+            str(line.stopped),
             str(line.failed),
         )
         for line in lines
     ]
     widths = [max(len(row[k]) for row in (head, *body)) for k in range(len(head))]
     place = [str.ljust if name in {"motion", "controller"} else str.rjust for name in head]
-    texts = ["TCP error rms over the plants [mm]; limit: runs at a torque limit"]
+    texts = [
+        "TCP error rms over the plants [mm]; limit: runs at a torque limit; stop: at an end stop"
+    ]
     for row in (head, *body):
         cells = [put(cell, width) for put, cell, width in zip(place, row, widths, strict=True)]
         texts.append("  ".join(cells).rstrip())
+    texts += [
+        f"{line.refused} runs of {line.controller} on {line.motion} at speed {line.speed:g}: "
+        "samples that the C package refuses (FAULT_INPUT)"
+        for line in lines
+        if line.refused
+    ]
     return "\n".join(texts)

@@ -67,6 +67,25 @@ def test_one_kind_on_several_joints_is_one_finding() -> None:
     assert [(e.kind, e.where) for e in lacks] == [("rotor_inertia", "joint 2")]
 
 
+def test_all_numbers_of_an_effect_are_told() -> None:
+    """Of a balancer the terminal told its angle alone."""
+    effect = LIBRARY["balancer"].of(
+        2, torque_Nm=12.0, neutral_rad=0.31, lever_ratio=0.4, free_ratio=0.45
+    )
+    errors = {"torque_Nm": 9.0, "neutral_rad": 0.02, "lever_ratio": 1e6}
+    one = replace(finding("balancer", 2, 0.1), effect=effect, standard_errors=errors)
+    ripples = [finding("gear_ripple", joint, 0.01 * joint) for joint in (3, 1)]
+    text = "\n".join(list_lines(diagnosis(one, *ripples)))
+    assert "balancer on joint 2: neutral_rad 0.310 ± 0.020 (10.0 % of the torque" in text
+    assert (
+        "    with torque_Nm 12.0 ± 9.0, lever_ratio 0.400 (not shown by this log), "
+        "free_ratio 0.450, gas_exponent 0"
+    ) in text
+    assert text.index("    joint 1: with ") < text.index("    joint 3: with ")
+    single = list_lines(diagnosis(finding("viscous_change", 1, 0.1)))
+    assert not any("with " in line for line in single)
+
+
 def test_sizes_come_in_the_order_of_the_joints_and_say_since_when() -> None:
     """Two couplings of a wrist showed a coupled inertia that was nothing, the larger joint first,
     and not that they began within the record."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from irb2400_ctrl.effects import LIBRARY
-from irb2400_ctrl.robot import Robot, load_robot
+from irb2400_ctrl.robot import Joint, Robot, load_robot
 from irb2400_ctrl.simulation import Trajectory
 
 FORCE_EFFECTS = (
@@ -42,7 +42,13 @@ def without_friction(robot: Robot) -> Robot:
         j.model_copy(update={"friction": j.friction.model_copy(update=nothing)})
         for j in robot.joints
     )
-    return Robot.model_validate({**dict(robot), "joints": joints})
+    return _with_joints(robot, joints)
+
+
+def _with_joints(robot: Robot, joints: tuple[Joint, ...]) -> Robot:
+    # an arm that has been asked for its arrays holds them beside its fields
+    fields = {name: getattr(robot, name) for name in Robot.model_fields}
+    return Robot.model_validate({**fields, "joints": joints})
 
 
 def strong(robot: Robot) -> Robot:
@@ -51,7 +57,7 @@ def strong(robot: Robot) -> Robot:
         j.model_copy(update={"limits": j.limits.model_copy(update={"torque_Nm": 1e6})})
         for j in robot.joints
     )
-    return Robot.model_validate({**dict(robot), "joints": joints})
+    return _with_joints(robot, joints)
 
 
 def with_effect(robot: Robot, kind: str, joint: int | None, fields: dict[str, object]) -> Robot:

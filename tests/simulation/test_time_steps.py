@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from simulation.planar_arm import planar, reach
 
+from irb2400_ctrl.controllers import controller
 from irb2400_ctrl.simulation import make_loop
 
 
@@ -17,9 +18,9 @@ def test_no_time_step_is_longer_than_a_millisecond(rate: float, steps: int) -> N
 def test_a_slow_controller_does_not_make_a_coarse_plant() -> None:
     """At 200 Hz one step per period told of 60 % of the error that is left of `gravity_pd` near its
     limit of stability."""
+    block = controller("gravity_pd", planar(), 0.005, bandwidth=40.0)
     usual, fine, coarse = (
-        make_loop(planar(), "gravity_pd", rate=200.0, substeps=k).run(reach(), hold=0.3)
-        for k in (None, 40, 1)
+        make_loop(planar(), block, substeps=k).run(reach(), hold=0.3) for k in (None, 40, 1)
     )
     largest = np.abs(fine.q - fine.q_ref).max()
     assert np.abs(usual.q - fine.q).max() < 0.02 * largest

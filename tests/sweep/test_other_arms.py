@@ -50,3 +50,19 @@ def test_gains_that_the_package_refuses_are_refused_in_a_study(tmp_path: Path) -
         small(tmp_path, text.replace('controller = "computed_torque"', gains))
     assert "gains, kp: found -1.0; expected at least 0.0" in str(said.value)
     assert "gains, kd: found shape (2,); expected one number, or (6,)" in str(said.value)
+
+
+def test_an_end_stop_that_is_hit_is_told(tmp_path: Path) -> None:
+    """A row said nothing of it."""
+    save_robot(planar(), tmp_path / "planar.toml")
+    text = FEW.format(robot="planar.toml", poses="[[0, 0], [20, -30]]")
+    # without gains the arm falls under a load that nobody told
+    limp = 'controller = "gravity_pd"\ngains = { kp = 0.0, kd = 0.0 }'
+    text = text.replace('controller = "computed_torque"', limp)
+    text = text.replace("[[controllers]]", "[payload]\nmass_kg = 5.0\n[[controllers]]")
+    result = run_sweep(small(tmp_path, text + "hold_s = 2.0\n"), tmp_path / "out", workers=1)
+    (row,) = result.rows
+    (line,) = result.lines
+    assert max(row["joint1_end_stop_share"], row["joint2_end_stop_share"]) > 0.05
+    assert line.stopped == 1
+    assert "at an end stop" in sweep_page(result).html()

@@ -276,12 +276,19 @@ def test_quantiles_of_the_summary() -> None:
         "controller": "c",
         "status": "ok",
         "joint1_saturated_share": 0.0,
+        "joint1_end_stop_share": 0.0,
+        "refused_share": 0.0,
     }
     rows = [{**common, "case": k, "tcp_error_rms_mm": float(k)} for k in range(101)]
-    rows[3] |= {"joint1_saturated_share": 0.5}
+    rows[3] |= {"joint1_saturated_share": 0.5, "refused_share": 0.1}
+    rows[5] |= {"joint1_end_stop_share": 0.2}
+    rows[6] |= {"joint1_end_stop_share": 0.2}
     (line,) = summarise(rows)
     assert (line.quantile(0.5), line.quantile(0.95), line.quantile(1.0)) == (50.0, 95.0, 100.0)
-    assert (line.saturated, line.failed) == (1, 0)
+    assert (line.saturated, line.stopped, line.refused, line.failed) == (1, 2, 1, 0)
+    text = summary_text([line])
+    assert "stop: at an end stop" in text
+    assert "1 runs of c on m at speed 1: samples that the C package refuses" in text
     told = line.summary()
     assert told["tcp_error_rms_mm"] == {"median": 50.0, "p95": 95.0, "worst": 100.0}
     assert (told["motion"], told["controller"], told["saturated"]) == ("m", "c", 1)

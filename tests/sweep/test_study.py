@@ -104,10 +104,15 @@ def test_all_problems_of_a_study_at_once(tmp_path: Path) -> None:
             "motions[1]: pose 2: axis 1 at 999.0 deg, its range is",
         ),
         ("draws = 4", "draws = = 4", "is not TOML"),
+        (
+            "[[controllers]]",
+            "[sensors]\nrate_Hz = 400\n[[controllers]]",
+            "sensors: found rate_Hz = 400; expected the control rate, 1000 Hz, divided by",
+        ),
     ],
 )
 def test_what_does_not_fit_together(tmp_path: Path, old: str, new: str, expected: str) -> None:
-    assert expected in complaint(tmp_path, SMALL.replace(old, new))
+    assert expected in complaint(tmp_path, SMALL.replace(old, new, 1))
 
 
 def test_missing_study(tmp_path: Path) -> None:

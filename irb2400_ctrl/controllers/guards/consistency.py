@@ -20,6 +20,7 @@ from irb2400_ctrl.controllers.momentum import (
     observer_told,
 )
 from irb2400_ctrl.controllers.parts import Values, gain
+from irb2400_ctrl.controllers.scaling import largest_inertia
 from irb2400_ctrl.model import kinematics
 
 LOAD_AT = 0.15
@@ -36,6 +37,9 @@ from a drive that forms speeds from angles, may seem to have as the observers be
 SPEED_LAG = 0.00076
 """[s] by which a speed is late that a drive forms from angles (half a millisecond) and filters at
 250 Hz: a torque that changes by 50 limits a second is 4 % of its limit ahead of what it shows"""
+SPEED_STEP = 0.0035
+"""[rad/s] by which a speed is off that a drive forms a thousand times a second from angles of 5e-6
+rad: momentum that comes and goes with each sample"""
 UNBOUNDED = 1e6
 """[Nm] in place of a torque limit that the robot file does not state"""
 STATIC = 0.1
@@ -109,7 +113,9 @@ class Consistency:
             Field("speed_lag", 1, "s", late, (SPEED_LAG,), lower=(0.0,)),
         ]
         for band in BANDS:
-            limit = band.share * self._strongest + STATIC * robot.friction[:, 0]
+            steps = band.bandwidth * SPEED_STEP * largest_inertia(robot)
+            limit = np.maximum(band.share * self._strongest, steps)
+            limit = limit + STATIC * robot.friction[:, 0]
             end = band.suffix
             doc = "largest torque that is not explained"
             fields += [

@@ -10,9 +10,10 @@ import numpy as np
 
 from irb2400_ctrl.diagnosis import Comparison, Diagnosis, Finding
 from irb2400_ctrl.effects.base import OPEN_END_S
-from irb2400_ctrl.report.elements.page import show
+from irb2400_ctrl.report.elements.page import show, with_error
 from irb2400_ctrl.robot import Robot
 
+UNSEEN = "not shown by this log"
 NO_ERROR = 1e3
 """standard error over a number, or over one, that says that the log does not show it"""
 
@@ -71,25 +72,45 @@ def floor_shown(comparison: Comparison) -> np.ndarray:
 
 def parameter_rows(finding: Finding) -> list[list[object]]:
     """Name, value, standard error."""
-
-    def text(value: Any) -> str:
-        if isinstance(value, bool):
-            return "yes" if value else "no"
-        if not isinstance(value, list | tuple):
-            return show(float(value))
-        return ", ".join(
-            window(*v) if isinstance(v, list | tuple) else show(float(v)) for v in value
-        )
-
-    def error(name: str, value: Any) -> str:
-        if name not in finding.standard_errors:
-            return ""
-        found = finding.standard_errors[name]
-        size = max(float(np.abs(value).max()), 1.0)
-        return "not shown by this log" if np.max(found) > NO_ERROR * size else text(found)
-
     told = finding.effect.parameters()
-    return [[name, text(value), error(name, value)] for name, value in told.items()]
+    return [[name, _text(value), _error(finding, name)] for name, value in told.items()]
+
+
+def numbers_beside(finding: Finding, name: str) -> str:
+    """All numbers of an effect but the one of that name, with their errors, for a terminal:
+    `neutral_rad 0.02 ± 0.01, lever_ratio 0.3`; not its discrepancy, and of a body nothing, which
+    has lines of its own."""
+    if finding.body is not None:
+        return ""
+    told = []
+    for other, value in finding.effect.parameters().items():
+        if other in {name, "discrepancy", "windows_s"} or isinstance(value, bool):
+            continue
+        error = _error(finding, other)
+        if isinstance(value, list | tuple):
+            told.append(f"{other} ({_text(value)})" + (f" ± ({error})" if error else ""))
+        elif error == UNSEEN:
+            told.append(f"{other} {_text(value)} ({error})")
+        else:
+            size = float(np.max(finding.standard_errors.get(other, 0.0)))
+            told.append(f"{other} {with_error(float(value), size)}")
+    return ", ".join(told)
+
+
+def _text(value: Any) -> str:
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    if not isinstance(value, list | tuple):
+        return show(float(value))
+    return ", ".join(window(*v) if isinstance(v, list | tuple) else show(float(v)) for v in value)
+
+
+def _error(finding: Finding, name: str) -> str:
+    if name not in finding.standard_errors:
+        return ""
+    error = finding.standard_errors[name]
+    size = max(float(np.abs(finding.effect.parameters()[name]).max()), 1.0)
+    return UNSEEN if np.max(error) > NO_ERROR * size else _text(error)
 
 
 def window(start: float, stop: float, unit: str = "") -> str:

@@ -54,7 +54,7 @@ def _add_arm(page: Page, found: Sweep) -> None:
 def rows(lines: list[SummaryLine]) -> tuple[list[str], list[list[object]]]:
     """Head and rows: a controller on a motion a row."""
     head = ["motion", "speed", "controller", "median", "95 %", "worst"]
-    head += ["runs at a torque limit", "failed"]
+    head += ["runs at a torque limit", "at an end stop", "with refused samples", "failed"]
     return head, [
         [
             line.motion,
@@ -62,6 +62,8 @@ def rows(lines: list[SummaryLine]) -> tuple[list[str], list[list[object]]]:
             line.controller,
             *(f"{line.quantile(share):.3f}" for share in (0.5, 0.95, 1.0)),
             str(line.saturated),
+            str(line.stopped),
+            str(line.refused),
             str(line.failed),
         ]
         for line in lines
@@ -95,4 +97,5 @@ def _facts(found: Sweep, failed: int) -> list[tuple[str, str]]:
         ("run now", f"{found.ran}"),
         ("failed", f"{failed}"),
         ("at a torque limit", f"{sum(line.saturated for line in found.lines)}"),
+        ("at an end stop", f"{sum(line.stopped for line in found.lines)}"),
     ]

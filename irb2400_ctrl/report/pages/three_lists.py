@@ -14,7 +14,7 @@ import numpy as np
 from irb2400_ctrl.diagnosis import Diagnosis, Finding, Number
 from irb2400_ctrl.diagnosis.comparison.acceptance import STANDARD_ERRORS
 from irb2400_ctrl.report.elements.page import sentence, show, with_error
-from irb2400_ctrl.report.pages.diagnosis_tables import window
+from irb2400_ctrl.report.pages.diagnosis_tables import numbers_beside, window
 from irb2400_ctrl.wording import joined, numbered
 
 LISTS = {
@@ -222,13 +222,25 @@ def list_lines(diagnosis: Diagnosis) -> list[str]:
         found.append(f"{heading.lower()}:")
         for entry in entries:
             found += [f"  {entry.line}", f"    {entry.sentence}"]
-            found += [f"    {text}" for text in body_lines(entry)]
+            found += [f"    {text}" for text in (*further_numbers(entry), *body_lines(entry))]
             if entry.lookalikes and entry.splits:
                 found.append(f"    to tell them apart: {entry.splits}")
         told = number_lines(numbers)
         found += [f"  {line}" for line in told[:MOST_LINES]]
         if len(told) > MOST_LINES:
             found.append(f"  and {len(told) - MOST_LINES} further numbers (findings.json)")
+    return found
+
+
+def further_numbers(entry: Entry) -> list[str]:
+    """A line for each joint: the numbers beside the one of its size, if the effect has others."""
+    found = []
+    for finding in sorted(entry.findings, key=lambda f: f.effect.joint or 0):
+        name = _first(finding)
+        told = "" if name is None else numbers_beside(finding, name)
+        if told:
+            place = f"joint {finding.effect.joint}: " if len(entry.findings) > 1 else ""
+            found.append(f"{place}with {told}")
     return found
 
 
@@ -278,13 +290,25 @@ def number_rows(numbers: Iterable[Number]) -> tuple[Sequence[str], list[list[obj
 
 
 def _size(finding: Finding) -> str:
-    """The first number of an effect, of a direction its largest part, with its error; another one
-    where that is nothing and the other stands clear. Then what is so of it (`of_angle`,
+    """The first number of an effect, with its error. Then what is so of it (`of_angle`,
     `in_tool_frame`) and when it acts."""
-    parameters = finding.effect.parameters()
-    numbers = {k: v for k, v in parameters.items() if isinstance(v, float)}
-    if not numbers:
+    name = _first(finding)
+    if name is None:
         return ""
+    parameters = finding.effect.parameters()
+    error = finding.standard_errors.get(name)
+    value = parameters[name]
+    told = with_error(value, error) if isinstance(error, float) else show(value)
+    acts = [f"acts {window(*each, ' s')}" for each in finding.effect.windows_s]
+    return ", ".join([f"{name} {told}", *(k for k, v in parameters.items() if v is True), *acts])
+
+
+def _first(finding: Finding) -> str | None:
+    """The first number of an effect, of a direction its largest part; another one where that is
+    nothing and the other stands clear."""
+    numbers = {k: v for k, v in finding.effect.parameters().items() if isinstance(v, float)}
+    if not numbers:
+        return None
     errors = finding.standard_errors
     clear = {
         k: abs(v) / max(error, 1e-12)
@@ -296,11 +320,7 @@ def _size(finding: Finding) -> str:
         first = max(clear, key=lambda k: clear[k])
     # force_x_N, force_y_N, force_z_N are parts of one
     parts = [k for k in numbers if _without_axis(k) == _without_axis(first)]
-    name = max(parts, key=lambda k: abs(numbers[k]))
-    error = errors.get(name)
-    told = with_error(numbers[name], error) if isinstance(error, float) else show(numbers[name])
-    acts = [f"acts {window(*each, ' s')}" for each in finding.effect.windows_s]
-    return ", ".join([f"{name} {told}", *(k for k, v in parameters.items() if v is True), *acts])
+    return max(parts, key=lambda k: abs(numbers[k]))
 
 
 def _without_axis(name: str) -> str:
