@@ -37,6 +37,8 @@ _UNSETTLED = 1e-3
 _ENOUGH = 5e-4
 # by how much it is slowed beyond that: its rows are a little elsewhere then
 _BEYOND = 1e-5
+# of the duration, lost to slowing: worth one
+_LOST = 1e-3
 # a ratio to a limit, at the speed that keeps all others, that slowing down does not cure
 _HOPELESS = 20.0
 # of the first solution, which only shows where cells have to be small, and of the others; parts of
@@ -193,7 +195,8 @@ class _Search:
         problem, z, found = self.settled(problem, problem.start(rough), _WARM)
         once = self.slowed(found)
         first = self.slowed_until_inside(once)
-        if found.worst > 1 + _ENOUGH or once.worst <= 1 + _ENOUGH:
+        slowed = first.law.duration > (1 + _LOST) * found.law.duration
+        if found.worst > 1 + _ENOUGH or not slowed:
             return first
         problem = problem.holding_back(once.ratios, once.law)
         *_, found = self.settled(problem, problem.inside(z), _NEAR, first.iterations)
