@@ -112,3 +112,27 @@ def test_axes_that_went_home_stand_at_zero(tmp_path: Path, back: str) -> None:
     found = read(tmp_path, text, "C,A").operations[-1].path.axis
     assert found is not None
     assert np.allclose(found, [0, 0, 1])
+
+
+@pytest.mark.parametrize("block", ["SPOS=90", "SPOS[1]=-0.5", "SPOSA=DC(90)", "SPOS[2] = IC(12.5)"])
+def test_the_spindle_turned_to_an_angle_is_not_carried_out(tmp_path: Path, block: str) -> None:
+    found = read(tmp_path, f"{HEAD}{block}\n{CUT}")
+    assert np.allclose(1e3 * found.operation().path.position, [[0, 0, 9], [0, 0, 1], [5, 0, 1]])
+    assert "M19: a function of the machine" in str(found.of_kind("assumed"))
+
+
+def test_a_dwell_in_turns_of_the_spindle(tmp_path: Path) -> None:
+    found = read(tmp_path, f"{HEAD}S120 M3\nG1 Z3 F100\nG4 S30\nX1\n{CUT}").operation()
+    (dwell,) = found.events
+    assert (dwell.kind, dwell.seconds) == ("dwell", pytest.approx(15.0))
+    assert found.spindle.rpm == pytest.approx(120)
+    with pytest.raises(InputError, match=r"G4 S30 waits for turns .* expected .* a spindle that"):
+        read(tmp_path, f"{HEAD}G4 S30\n{CUT}")
+
+
+@pytest.mark.parametrize(
+    ("block", "found"), [("BSPLINE", "BSPLINE"), ("PO[X]=(10,1,2) PL=1", "PO"), ("N5 POLY", "POLY")]
+)
+def test_splines_are_refused_by_their_name(tmp_path: Path, block: str, found: str) -> None:
+    with pytest.raises(InputError, match=f"line 3: found {found}: splines and polynomials"):
+        read(tmp_path, f"{HEAD}{block}\n{CUT}")

@@ -25,6 +25,8 @@ REFUSED = {
     5.2: "a spline",
     6.3: "a spline",
     7: "programming in diameters",
+    7.1: "interpolation on a cylinder",
+    12.1: "interpolation in polar coordinates",
     10: "a change of the control's offsets (where it only says before the first motion where the "
     "part lies on the machine, delete the line)",
     31: "a probe",
@@ -41,9 +43,9 @@ REFUSED = {
     44: "a tool's length with the other sign",
     87: "boring from below",
     96: "constant surface speed",
-    110: "a pole",
-    111: "a pole",
-    112: "a pole",
+    110: "a pole (Siemens)",
+    111: "a pole (Siemens)",
+    112: "a pole (Siemens), or X and Y of a turning part (Haas)",
     150: "a pocket (Haas); let the CAM system write its moves",
     268: "a tilted plane of Haas, whose order of angles stands elsewhere; expected G68.2 or G254",
 }

@@ -51,6 +51,14 @@ _REWRITTEN = (
     (re.compile(r"\b(GROUP_BEGIN)\s*\([^()]*\)", re.IGNORECASE), r"\1"),
     (re.compile(r"\bTRAORI\s*\(\s*1?\s*\)", re.IGNORECASE), "TRAORI"),
     (re.compile(r"\bTRAFOOF\s*\(\s*\)", re.IGNORECASE), "TRAFOOF"),
+    # the spindle turned to an angle
+    (
+        re.compile(
+            rf"\bSPOSA?\s*(?:\[\s*\d+\s*\]\s*)?=\s*(?:{NUMBER}|(?:AC|IC|DC|AC[PN])\s*\([^()]*\))",
+            re.IGNORECASE,
+        ),
+        "M19",
+    ),
     # the first spindle by its number: S1=5000 M1=3
     (re.compile(r"(?<![A-Z_])([SM])[1-9]\s*=\s*(\d+\.?\d*)", re.IGNORECASE), r"\1\2"),
     (re.compile(r"\bG153\b", re.IGNORECASE), "SUPA"),
