@@ -74,7 +74,7 @@ def test_values_below_the_definition_without_a_tilde(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="Q203 of the cycle before it is set anew"):
         operation(tmp_path, f"{defined(200, **COMMON)}Q203=+9\n{calls}")
     numbered = "".join(f"4{k} {line}\n" for k, line in enumerate(below))
-    with pytest.raises(InputError, match="DRILLING with Q201=0 .* expected a negative depth"):
+    with pytest.raises(InputError, match=r"DRILLING with Q201=0 .* expected a negative depth"):
         operation(tmp_path, begin + numbered + calls)
 
 
