@@ -136,3 +136,29 @@ def test_a_dwell_in_turns_of_the_spindle(tmp_path: Path) -> None:
 def test_splines_are_refused_by_their_name(tmp_path: Path, block: str, found: str) -> None:
     with pytest.raises(InputError, match=f"line 3: found {found}: splines and polynomials"):
         read(tmp_path, f"{HEAD}{block}\n{CUT}")
+
+
+@pytest.mark.parametrize(
+    ("words", "end"),
+    [
+        ("X=IC(R1)", [6, 2, 0]),
+        ("X=IC((R1+1)*(2)) Y=AC(10*SIN(30))", [13, 5, 0]),
+        ("X=AC( -R1 ) Y=IC(3)", [-5, 5, 0]),
+        ("Z=IC(_UP-0.5) Y=IC(-1)", [1, 1, 2]),
+    ],
+)
+def test_places_and_ways_by_expressions(tmp_path: Path, words: str, end: list[float]) -> None:
+    head = "DEF REAL _UP=2.5\nR1=5\nG710 G90 G54\nG0 X1 Y2 Z0\n"
+    found = read(tmp_path, f"{head}G1 {words} F100\nM30\n").operation()
+    assert np.allclose(1e3 * found.path.position[-1], end)
+
+
+def test_centres_and_angles_by_expressions(tmp_path: Path) -> None:
+    text = "R1=5\nG710 G90 G54\nG0 X0 Y0 Z0\nG3 X=R1*2 Y0 I=AC(R1) J=AC(2*R1-10) F100\nM30\n"
+    path = 1e3 * read(tmp_path, text).operation().path.position
+    assert np.allclose(np.linalg.norm(path - [5, 0, 0], axis=1), 5)
+    turned = "R1=30\nG710 G90 G54\nTRAORI\nG0 X0 Y0 Z0 A0 C0\nG1 X5 A=DC(R1+10) C=IC(R1) F100\n"
+    found = read(tmp_path, f"{turned}M30\n", rotary="C,A").operation()
+    s = np.sin(np.radians(40))
+    assert found.path.axis is not None
+    assert np.allclose(found.path.axis[-1], [s / 2, -s * np.sqrt(3) / 2, np.cos(np.radians(40))])
