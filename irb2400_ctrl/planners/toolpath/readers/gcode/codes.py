@@ -6,7 +6,7 @@ from __future__ import annotations
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.planners.toolpath.readers.gcode.cycles import CYCLES
 from irb2400_ctrl.planners.toolpath.readers.gcode.frames import CODES as FRAMES
-from irb2400_ctrl.planners.toolpath.readers.gcode.motion import CENTRE, VECTOR
+from irb2400_ctrl.planners.toolpath.readers.gcode.motion import ABSOLUTE, CENTRE, VECTOR
 from irb2400_ctrl.planners.toolpath.readers.gcode.state import AXES, ROTARY, SPLINES, GcodeState
 from irb2400_ctrl.planners.toolpath.readers.program_builder import ProgramBuilder
 
@@ -171,7 +171,7 @@ def without_owned(
 
 
 def moves(values: dict[str, float], *, by_centre: bool = False) -> bool:
-    """Whether a block has words that lead somewhere; `by_centre`: I, J and K do
+    """Whether a block has words that lead somewhere; `by_centre`: I, J and K do, and I=AC(…)
     (`GcodeState.by_centre`)."""
-    words = (*AXES, *ROTARY, *VECTOR, *(CENTRE if by_centre else ()))
+    words = (*AXES, *ROTARY, *VECTOR, *((*CENTRE, *ABSOLUTE) if by_centre else ()))
     return any(letter in values for letter in words)
