@@ -19,7 +19,7 @@ HARMLESS = frozenset(map(float, _QUIET.split()))
 SPECIAL = frozenset([4, 28, 28.1, 30, 53, 53.1, *FRAMES])
 RADIUS = (
     "the offset by the tool's radius, which the control knows; let the CAM system write the path "
-    "of the tool's centre"
+    "of the tool's centre (where it does, and the control adds the wear alone, take the word out)"
 )
 REFUSED = {
     5.2: "a spline",
