@@ -37,8 +37,9 @@ _UNSETTLED = 1e-3
 _ENOUGH = 5e-4
 # by how much it is slowed beyond that: its rows are a little elsewhere then
 _BEYOND = 1e-5
-# of the duration, lost to slowing: worth one
+# of the duration, lost to slowing: worth so many solutions more
 _LOST = 1e-3
+_AGAIN = 4
 # a ratio to a limit, at the speed that keeps all others, that slowing down does not cure
 _HOPELESS = 20.0
 # of the first solution, which only shows where cells have to be small, and of the others; parts of
@@ -124,6 +125,8 @@ class _Found:
     ratios: OutputRatios
     iterations: int
     """of Newton's method, so far"""
+    rounds: int
+    """solutions so far"""
 
     @property
     def worst(self) -> float:
@@ -188,23 +191,46 @@ class _Search:
         """The motion on a fine grid, within all limits.
 
         Slowed by the last ten-thousandths it has its rows elsewhere, and they may swing above a
-        limit at a place where they did not: that place is held back, too, and the better of both
-        motions is kept, because the other one would be slowed as a whole by what swings there.
+        limit where they did not. The whole is slowed by what swings at one place then: where that
+        costs much the place is held back, too, and the program solved again; the best motion is
+        kept.
         """
         problem = self.program(s, rough)
-        problem, z, found = self.settled(problem, problem.start(rough), _WARM)
+        problem, z, found = self.settled(problem, problem.start(rough), _WARM, _ROUNDS)
         once = self.slowed(found)
-        first = self.slowed_until_inside(once)
-        slowed = first.law.duration > (1 + _LOST) * found.law.duration
-        if found.worst > 1 + _ENOUGH or not slowed:
-            return first
-        problem = problem.holding_back(once.ratios, once.law)
-        *_, found = self.settled(problem, problem.inside(z), _NEAR, first.iterations)
-        again = self.slowed_until_inside(found)
-        return replace(min(first, again, key=lambda f: f.rank), iterations=again.iterations)
+        best = self.slowed_until_inside(once)
+        last = found.rounds + _AGAIN
+        while found.rounds < last and self.loses(best, found):
+            try:
+                problem = problem.holding_back(once.ratios, once.law)
+                problem, z, found = self.settled(problem, problem.inside(z), _NEAR, last, found)
+            except InfeasiblePointError:
+                # so much cannot be held back; the motion that there is holds without
+                break
+            once = self.slowed(found)
+            inside = self.slowed_until_inside(once)
+            best = replace(min(best, inside, key=lambda f: f.rank), iterations=found.iterations)
+        return best
+
+    def loses(self, inside: _Found, found: _Found) -> bool:
+        """Whether a motion is not within its limits, or was slowed by more than a row and a
+        thousandth to be.
+
+        Args:
+            inside: the slowed motion.
+            found: as it was solved.
+        """
+        row = 0.0 if self.sampling is None else 1 / self.sampling.rate
+        least = max(_LOST * found.law.duration, row)
+        return inside.worst > 1 or inside.law.duration > found.law.duration + least
 
     def settled(
-        self, problem: GriddedProgram, z: Array, barrier: float, iterations: int = 0
+        self,
+        problem: GriddedProgram,
+        z: Array,
+        barrier: float,
+        last: int,
+        before: _Found | None = None,
     ) -> tuple[GriddedProgram, Array, _Found]:
         """The program solved again as long as its motion is above a limit, its unknowns, and the
         motion.
@@ -213,14 +239,17 @@ class _Search:
             problem: the first program.
             z: its unknowns to begin with, inside.
             barrier: to begin with.
-            iterations: of Newton's method before.
+            last: how many solutions there may be in all.
+            before: what was found before.
         """
-        for turn in range(_ROUNDS):
+        iterations = 0 if before is None else before.iterations
+        done = 0 if before is None else before.rounds
+        for turn in range(done + 1, last + 1):
             solution = solve(problem.program, z, barrier=barrier, gap=_GAP)
             iterations += solution.iterations
             law = problem.law(solution.z)
-            found = _Found(law, self.as_read(law, self.ratios(law)), iterations)
-            if found.worst <= 1 + _ENOUGH or turn == _ROUNDS - 1:
+            found = _Found(law, self.as_read(law, self.ratios(law)), iterations, turn)
+            if found.worst <= 1 + _ENOUGH or turn == last:
                 break
             _refuse(
                 found.ratios,
