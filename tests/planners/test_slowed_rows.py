@@ -76,16 +76,16 @@ def searched(
         ([1.0003, 1.011, 0.99, 1.0002, 0.9999], 2, [1.011], 0.9999, 2e-4),
         # by less than a thousandth: not worth another solution
         ([1.0003, 1.0008, 0.9999], 1, [], 0.9999, 8e-4),
-        # no better up to the fourth time more: the first motion
+        # better, then no better: the one before
         (
-            [1.0003, 1.002, 0.999, *([1.0004, 1.02, 0.99] * 4)],
-            5,
-            [1.002, 1.02, 1.02, 1.02],
-            0.999,
-            1.6e-3,
+            [1.0003, 1.02, 0.99, 1.0004, 1.002, 0.9999, 1.0, 1.003, 0.99],
+            3,
+            [1.02, 1.002],
+            0.9999,
+            0.00169,
         ),
         # a second motion that does not come within its limits is none, however fast
-        ([1.0003, 1.011, 0.99, *[1.0002] * 12, 1.0002, 0.9999], 3, [1.011, 1.0002], 0.9999, 1.5e-4),
+        ([1.0003, 1.011, 0.99, *[1.0002] * 12], 2, [1.011], 0.99, 8e-3),
         # nor is a first one
         ([1.0003, *[1.002] * 11, 1.0002, 0.9999], 2, [1.002], 0.9999, 1.5e-4),
         # what cannot be held back leaves the first motion

@@ -209,7 +209,10 @@ class _Search:
                 break
             once = self.slowed(found)
             inside = self.slowed_until_inside(once)
-            best = replace(min(best, inside, key=lambda f: f.rank), iterations=found.iterations)
+            better = inside.rank < best.rank
+            best = replace(inside if better else best, iterations=found.iterations)
+            if not better:
+                break
         return best
 
     def loses(self, inside: _Found, found: _Found) -> bool:
