@@ -162,3 +162,20 @@ def test_centres_and_angles_by_expressions(tmp_path: Path) -> None:
     s = np.sin(np.radians(40))
     assert found.path.axis is not None
     assert np.allclose(found.path.axis[-1], [s / 2, -s * np.sqrt(3) / 2, np.cos(np.radians(40))])
+
+
+@pytest.mark.parametrize(
+    ("head", "call"),
+    [
+        ("PROC SUB1", "SUB1"),
+        ("N1 PROC SUB1 SAVE DISPLOF ; A HEAD", "SUB1"),
+        ("PROC SUB1()", "SUB1()"),
+    ],
+)
+def test_heads_of_sub_programs_without_arguments(tmp_path: Path, head: str, call: str) -> None:
+    main = f"%_N_MAIN_MPF\nEXTERN SUB1\nG710 G90 G54\nG0 X0 Y0 Z0\n{call}\nM30\n"
+    found = read(tmp_path, f"{main}%_N_SUB1_SPF\n{head}\nG1 X5 F60\nRET\n").operation()
+    assert np.allclose(1e3 * found.path.position, [[0, 0, 0], [5, 0, 0]])
+    for line in ("PROC SUB1(REAL A1)", "EXTERN SUB1(REAL)"):
+        with pytest.raises(InputError, match=r"found '(PROC|EXTERN) SUB1"):
+            read(tmp_path, f"{main}%_N_SUB1_SPF\n{line}\nG1 X5 F60\nRET\n")

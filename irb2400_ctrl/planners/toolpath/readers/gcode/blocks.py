@@ -86,6 +86,15 @@ REWRITTEN = (
     (re.compile(r"(\bG61\.1)\s*,\s*[A-Z]\s*\d+", re.IGNORECASE), r"\1"),
     # axes that go home (3D printers): G28 X Y
     (re.compile(r"(\bG28)(?:\s*[XYZ](?!\s*[-+.\d=\[#]))+", re.IGNORECASE), r"\1"),
+    # the head of a sub-program without arguments, and its declaration (Siemens)
+    (
+        re.compile(
+            r"^\s*(?:N\d+\s*)?(?:PROC|EXTERN)\s+[A-Z_]\w*\s*(?:\(\s*\))?"
+            r"(?:\s*\b(?:SAVE|DISPLO[FN]|SBLO[FN]|ACTBLOCNO)\b)*\s*(?=;|$)",
+            re.IGNORECASE,
+        ),
+        "",
+    ),
     # home, settings and questions of GRBL, but no jog ($J=…); the name of a program (Okuma)
     (re.compile(r"^\s*\$H\s*(?=[;(]|$)", re.IGNORECASE), "G28 "),
     (re.compile(r"^\s*(?:\$(?!J=)[\w$#.=-]+%?|\?)\s*(?=[;(]|$)", re.IGNORECASE), ""),
