@@ -17,9 +17,8 @@ from irb2400_ctrl.planners.timing.task_path import TaskPath
 from irb2400_ctrl.planners.timing.time_law import TimeLaw
 from irb2400_ctrl.planners.toolpath.task_curve import SMOOTH_BEND, TaskCurve
 
-# the feed counts as held from this part of it on [-]: a motion whose rows would pass a limit is
-# slowed as a whole, which has cost a hundredth
-HELD = 0.98
+# the feed counts as held from this part of it on [-]
+HELD = 0.99
 # a limit counts as reached from this part of it on [-]
 _REACHED = 0.9
 # places of a stretch at which the limits are looked at

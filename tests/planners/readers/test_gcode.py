@@ -170,7 +170,7 @@ def test_canned_cycles_point_by_point(tmp_path: Path, cycle: str) -> None:
     ("O100 IF [1]", "o100 IF without ENDIF"),
     ("M98 P1000", "M98 calls a sub-program that is not in the file"),
     ("G1 X=R1 F60", "found R1, which the file does not set"),
-    ("G1 X=IC(R1) F60", "of words with = only"),
+    ("G1 X=IC(R1) F60", "found R1, which the file does not set"),
     ("G1 X5 E3 F60", "the word E, which is not read"),
     ("G1 X5 F-3", "expected a positive feed"),
     ("G0 G1 X5", "G0 and G1 in one block"),

@@ -96,3 +96,27 @@ def test_the_end_of_a_moved_zero_names_the_axes_that_were_moved(tmp_path: Path, 
 def test_what_changes_the_coordinates_is_refused(tmp_path: Path, block: str, says: str) -> None:
     with pytest.raises(InputError, match=says):
         program(tmp_path, f"{HEAD}{block}\nX9.\nM30\n")
+
+
+@pytest.mark.parametrize(
+    ("begin", "cut", "path"),
+    [
+        ("G90\nG92 X0 Y0 Z9", "G1 Z1 F60", [[0, 0, 9], [0, 0, 1]]),
+        ("G91\nG92 X1 Y2\nG92 Z0", "G1 X5 F60", [[1, 2, 0], [6, 2, 0]]),
+        ("G90\nG92 X0 Y0", "G1 X5 F60", [[0, 0, 0], [5, 0, 0]]),
+        # the place is another one on the machine then
+        ("G90\nG92 X0 Y0 Z9\nG28 X0 Y0 Z9", "G1 X4 Y4 Z9 F60\nX5", [[4, 4, 9], [5, 4, 9]]),
+    ],
+)
+def test_the_first_cut_begins_where_g92_says_the_tool_is(
+    tmp_path: Path, begin: str, cut: str, path: list[list[float]]
+) -> None:
+    found = program(tmp_path, f"G21 {begin}\n{cut}\nM30\n").operation()
+    assert np.allclose(1e3 * found.path.position[-2:], path)
+
+
+def test_the_first_arc_begins_where_g92_says_the_tool_is(tmp_path: Path) -> None:
+    text = "G21 G90 G92 X0 Y0 Z0\nG2 X10 Y0 I5 J0 F60\nM30\n"
+    position = 1e3 * program(tmp_path, text).operation().path.position
+    assert np.allclose(position[[0, -1]], [[0, 0, 0], [10, 0, 0]])
+    assert np.allclose(np.linalg.norm(position - [5, 0, 0], axis=1), 5)

@@ -41,7 +41,8 @@ def test_tool_centre_control_of_haas(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    "block", ["G187 P3 E.01", "G187 E0.02 P1", "G332 R5", "G131 R2", "G61.1 ,A1", "$PART-1.MIN%"]
+    "block",
+    ["G187 P3 E.01", "G187 E0.02 P1", "G332 R5", "G131 R2", "G61.1 ,A1", "$PART-1.MIN%", "OPRT"],
 )
 def test_smoothing_and_names_move_nothing(tmp_path: Path, block: str) -> None:
     found = program(tmp_path, f"G21 G90 G54\nG0 X0 Y0 Z9\n{block}\nG1 Z1 F60\nM30\n").operation()
@@ -73,3 +74,15 @@ def test_the_tools_length_of_okuma_is_no_work_frame(tmp_path: Path) -> None:
 def test_what_is_not_read_is_named(tmp_path: Path, block: str, says: str) -> None:
     with pytest.raises(InputError, match=says):
         program(tmp_path, f"G21 G90 G54\nG0 X0 Y0 Z9\n{block}\nG1 Z1 F60\nM30\n")
+
+
+def test_further_work_frames_of_haas(tmp_path: Path) -> None:
+    found = program(tmp_path, f"G21 G90 G110\n{CUT}M30\n")
+    assert np.allclose(1e3 * found.operation().path.position, [[1, 2, 9], [1, 2, 3]])
+    assert "G110 is a work frame of the control (Haas)" in str(found.of_kind("assumed"))
+    with pytest.raises(InputError, match="G111 after motion in G110"):
+        program(tmp_path, f"G21 G90 G110\n{CUT}G0 Z9.\nG111\n{CUT}M30\n")
+    # on a control of Siemens it is a pole, on a lathe G112 turns XY to polar coordinates
+    for text in (f"G110\nG1 X=5 F60\n{CUT}", f"G112\n{CUT}"):
+        with pytest.raises(InputError, match="is a pole"):
+            program(tmp_path, f"G21 G90 G0 X0 Y0 Z0\n{text}M30\n")

@@ -248,7 +248,7 @@ def test_places_of_the_machine(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("blocks", "says"),
     [
-        ("L X+5 RL F60\n", "line 5: RL is the offset by the tool's radius"),
+        ("L X+5 RL F60\n", "line 5: RL is the offset by the tool's radius, .* the wear alone"),
         ("L X+5 F60\nRND R2\n", "a rounded corner; let the CAM system write the arc"),
         ("APPR LT X+5 Y+5 LEN5 RL F9\n", "an approach that the control makes"),
         ("CT X+5 Y+5\n", "an arc by its tangent"),

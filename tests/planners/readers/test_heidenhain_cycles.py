@@ -62,6 +62,22 @@ def test_blanks_within_the_number_of_a_cycle(tmp_path: Path, blank: str) -> None
     assert [e.seconds for e in operation(tmp_path, body).events if e.kind == "dwell"] == [5.0]
 
 
+def test_values_below_the_definition_without_a_tilde(tmp_path: Path) -> None:
+    below = ["Q200=2 ;SET-UP CLEARANCE", "  Q201=-10", " Q206=120;FEED", "Q203 = +5", "Q204=Q7"]
+    calls = "5 L X+8 Y+9 R0 FMAX M99\n"
+    begin = "4 Q7 = 20\nCYCL DEF 200 DRILLING\n"
+    found = operation(tmp_path, begin + "\n".join(below) + "\n" + calls)
+    assert cuts(found) == [-5]
+    assert 1e3 * found.path.position[-1, 2] == pytest.approx(25)
+    # what the definition states, what has a number of its own and others are not the cycle's
+    assert cuts(operation(tmp_path, f"{defined(200, **COMMON)}Q1=+9\n{calls}")) == [-5]
+    with pytest.raises(InputError, match="Q203 of the cycle before it is set anew"):
+        operation(tmp_path, f"{defined(200, **COMMON)}Q203=+9\n{calls}")
+    numbered = "".join(f"4{k} {line}\n" for k, line in enumerate(below))
+    with pytest.raises(InputError, match=r"DRILLING with Q201=0 .* expected a negative depth"):
+        operation(tmp_path, begin + numbered + calls)
+
+
 @pytest.mark.parametrize("breaks", [0.0, 3.0])
 def test_chip_breaking_of_the_control_is_said_to_differ(tmp_path: Path, breaks: float) -> None:
     more = {"q202": 5.0, "q213": breaks, "q256": 0.4}

@@ -60,3 +60,13 @@ def test_other_controls_keep_the_plane_in_force(tmp_path: Path) -> None:
     found = arc(tmp_path, "G2 X14 Z0 I2 J0", ".nc")
     assert np.allclose(found[:, 2], 0)
     assert found[:, 1].max() == pytest.approx(2, abs=0.1)
+
+
+@pytest.mark.parametrize(
+    "block", ["G3 I=AC(12) J=AC(0)", "G3 I2 J=AC(0)", "G3 I=AC(12) K=AC(0)", "G2 I=AC(12)"]
+)
+def test_a_full_circle_needs_its_centre_alone(tmp_path: Path, block: str) -> None:
+    found = arc(tmp_path, block)
+    assert np.allclose(found[-1], [10, 0, 0])
+    assert np.allclose(np.linalg.norm(found - [12, 0, 0], axis=1), 2)
+    assert np.linalg.norm(found - [14, 0, 0], axis=1).min() < 0.5

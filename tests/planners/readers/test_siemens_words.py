@@ -112,3 +112,70 @@ def test_axes_that_went_home_stand_at_zero(tmp_path: Path, back: str) -> None:
     found = read(tmp_path, text, "C,A").operations[-1].path.axis
     assert found is not None
     assert np.allclose(found, [0, 0, 1])
+
+
+@pytest.mark.parametrize("block", ["SPOS=90", "SPOS[1]=-0.5", "SPOSA=DC(90)", "SPOS[2] = IC(12.5)"])
+def test_the_spindle_turned_to_an_angle_is_not_carried_out(tmp_path: Path, block: str) -> None:
+    found = read(tmp_path, f"{HEAD}{block}\n{CUT}")
+    assert np.allclose(1e3 * found.operation().path.position, [[0, 0, 9], [0, 0, 1], [5, 0, 1]])
+    assert "M19: a function of the machine" in str(found.of_kind("assumed"))
+
+
+def test_a_dwell_in_turns_of_the_spindle(tmp_path: Path) -> None:
+    found = read(tmp_path, f"{HEAD}S120 M3\nG1 Z3 F100\nG4 S30\nX1\n{CUT}").operation()
+    (dwell,) = found.events
+    assert (dwell.kind, dwell.seconds) == ("dwell", pytest.approx(15.0))
+    assert found.spindle.rpm == pytest.approx(120)
+    with pytest.raises(InputError, match=r"G4 S30 waits for turns .* expected .* a spindle that"):
+        read(tmp_path, f"{HEAD}G4 S30\n{CUT}")
+
+
+@pytest.mark.parametrize(
+    ("block", "found"), [("BSPLINE", "BSPLINE"), ("PO[X]=(10,1,2) PL=1", "PO"), ("N5 POLY", "POLY")]
+)
+def test_splines_are_refused_by_their_name(tmp_path: Path, block: str, found: str) -> None:
+    with pytest.raises(InputError, match=f"line 3: found {found}: splines and polynomials"):
+        read(tmp_path, f"{HEAD}{block}\n{CUT}")
+
+
+@pytest.mark.parametrize(
+    ("words", "end"),
+    [
+        ("X=IC(R1)", [6, 2, 0]),
+        ("X=IC((R1+1)*(2)) Y=AC(10*SIN(30))", [13, 5, 0]),
+        ("X=AC( -R1 ) Y=IC(3)", [-5, 5, 0]),
+        ("Z=IC(_UP-0.5) Y=IC(-1)", [1, 1, 2]),
+    ],
+)
+def test_places_and_ways_by_expressions(tmp_path: Path, words: str, end: list[float]) -> None:
+    head = "DEF REAL _UP=2.5\nR1=5\nG710 G90 G54\nG0 X1 Y2 Z0\n"
+    found = read(tmp_path, f"{head}G1 {words} F100\nM30\n").operation()
+    assert np.allclose(1e3 * found.path.position[-1], end)
+
+
+def test_centres_and_angles_by_expressions(tmp_path: Path) -> None:
+    text = "R1=5\nG710 G90 G54\nG0 X0 Y0 Z0\nG3 X=R1*2 Y0 I=AC(R1) J=AC(2*R1-10) F100\nM30\n"
+    path = 1e3 * read(tmp_path, text).operation().path.position
+    assert np.allclose(np.linalg.norm(path - [5, 0, 0], axis=1), 5)
+    turned = "R1=30\nG710 G90 G54\nTRAORI\nG0 X0 Y0 Z0 A0 C0\nG1 X5 A=DC(R1+10) C=IC(R1) F100\n"
+    found = read(tmp_path, f"{turned}M30\n", rotary="C,A").operation()
+    s = np.sin(np.radians(40))
+    assert found.path.axis is not None
+    assert np.allclose(found.path.axis[-1], [s / 2, -s * np.sqrt(3) / 2, np.cos(np.radians(40))])
+
+
+@pytest.mark.parametrize(
+    ("head", "call"),
+    [
+        ("PROC SUB1", "SUB1"),
+        ("N1 PROC SUB1 SAVE DISPLOF ; A HEAD", "SUB1"),
+        ("PROC SUB1()", "SUB1()"),
+    ],
+)
+def test_heads_of_sub_programs_without_arguments(tmp_path: Path, head: str, call: str) -> None:
+    main = f"%_N_MAIN_MPF\nEXTERN SUB1\nG710 G90 G54\nG0 X0 Y0 Z0\n{call}\nM30\n"
+    found = read(tmp_path, f"{main}%_N_SUB1_SPF\n{head}\nG1 X5 F60\nRET\n").operation()
+    assert np.allclose(1e3 * found.path.position, [[0, 0, 0], [5, 0, 0]])
+    for line in ("PROC SUB1(REAL A1)", "EXTERN SUB1(REAL)"):
+        with pytest.raises(InputError, match=r"found '(PROC|EXTERN) SUB1"):
+            read(tmp_path, f"{main}%_N_SUB1_SPF\n{line}\nG1 X5 F60\nRET\n")

@@ -37,6 +37,9 @@ _UNSETTLED = 1e-3
 _ENOUGH = 5e-4
 # by how much it is slowed beyond that: its rows are a little elsewhere then
 _BEYOND = 1e-5
+# of the duration, lost to slowing: worth so many solutions more
+_LOST = 1e-3
+_AGAIN = 4
 # a ratio to a limit, at the speed that keeps all others, that slowing down does not cure
 _HOPELESS = 20.0
 # of the first solution, which only shows where cells have to be small, and of the others; parts of
@@ -104,15 +107,36 @@ def time_rate_limited(
         rows = int(np.ceil(fastest.law.duration * sampling.rate))
         count = min(count, max(rows, _LEAST_CELLS))
     s, rough, first = search.rough(fastest.law, cells, count)
-    law, ratios, more = search.settled(s, rough)
-    law, ratios = search.slowed_until_inside(law, ratios)
+    found = search.within(s, rough)
     _refuse(
-        ratios,
+        found.ratios,
         search.outputs(cells),
         1 + _UNSETTLED,
         "and slowing down does not settle it; raise the torque rate or the jerk",
     )
-    return RateLimitedTiming(law, fastest.law, first + more)
+    return RateLimitedTiming(found.law, fastest.law, first + found.iterations)
+
+
+@dataclass(frozen=True)
+class _Found:
+    """A motion, held against its limits."""
+
+    law: RateLimitedLaw
+    ratios: OutputRatios
+    iterations: int
+    """of Newton's method, so far"""
+    rounds: int
+    """solutions so far"""
+
+    @property
+    def worst(self) -> float:
+        """The largest part of a limit."""
+        return _largest(self.ratios)
+
+    @property
+    def rank(self) -> tuple[float, float]:
+        """Less is better: what is above the limits, then the duration."""
+        return max(self.worst, 1.0), float(self.law.duration)
 
 
 @dataclass(frozen=True)
@@ -163,43 +187,101 @@ class _Search:
         law = problem.law(found.z)
         return refined(law, problem.program.outputs), law, found.iterations
 
-    def settled(self, s: Array, rough: RateLimitedLaw) -> tuple[RateLimitedLaw, OutputRatios, int]:
-        """The motion on a fine grid, solved again as long as something is above a limit; how far it
-        got, and the iterations it took."""
+    def within(self, s: Array, rough: RateLimitedLaw) -> _Found:
+        """The motion on a fine grid, within all limits.
+
+        Slowed by the last ten-thousandths it has its rows elsewhere, and they may swing above a
+        limit where they did not. The whole is slowed by what swings at one place then: where that
+        costs much the place is held back, too, and the program solved again; the best motion is
+        kept.
+        """
         problem = self.program(s, rough)
-        z = problem.start(rough)
-        barrier = _WARM
-        iterations = 0
-        for turn in range(_ROUNDS):
-            found = solve(problem.program, z, barrier=barrier, gap=_GAP)
-            iterations += found.iterations
-            law = problem.law(found.z)
-            ratios = self.as_read(law, self.ratios(law))
-            if _largest(ratios) <= 1 + _ENOUGH or turn == _ROUNDS - 1:
+        problem, z, found = self.settled(problem, problem.start(rough), _WARM, _ROUNDS)
+        once = self.slowed(found)
+        best = self.slowed_until_inside(once)
+        last = found.rounds + _AGAIN
+        while found.rounds < last and self.loses(best, found):
+            try:
+                problem = problem.holding_back(once.ratios, once.law)
+                problem, z, found = self.settled(problem, problem.inside(z), _NEAR, last, found)
+            except InfeasiblePointError:
+                # so much cannot be held back; the motion that there is holds without
+                break
+            once = self.slowed(found)
+            inside = self.slowed_until_inside(once)
+            better = inside.rank < best.rank
+            best = replace(inside if better else best, iterations=found.iterations)
+            if not better:
+                break
+        return best
+
+    def loses(self, inside: _Found, found: _Found) -> bool:
+        """Whether a motion is not within its limits, or was slowed by more than a row and a
+        thousandth to be.
+
+        Args:
+            inside: the slowed motion.
+            found: as it was solved.
+        """
+        row = 0.0 if self.sampling is None else 1 / self.sampling.rate
+        least = max(_LOST * found.law.duration, row)
+        return inside.worst > 1 or inside.law.duration > found.law.duration + least
+
+    def settled(
+        self,
+        problem: GriddedProgram,
+        z: Array,
+        barrier: float,
+        last: int,
+        before: _Found | None = None,
+    ) -> tuple[GriddedProgram, Array, _Found]:
+        """The program solved again as long as its motion is above a limit, its unknowns, and the
+        motion.
+
+        Args:
+            problem: the first program.
+            z: its unknowns to begin with, inside.
+            barrier: to begin with.
+            last: how many solutions there may be in all.
+            before: what was found before.
+        """
+        iterations = 0 if before is None else before.iterations
+        done = 0 if before is None else before.rounds
+        for turn in range(done + 1, last + 1):
+            solution = solve(problem.program, z, barrier=barrier, gap=_GAP)
+            iterations += solution.iterations
+            law = problem.law(solution.z)
+            found = _Found(law, self.as_read(law, self.ratios(law)), iterations, turn)
+            if found.worst <= 1 + _ENOUGH or turn == last:
                 break
             _refuse(
-                ratios,
+                found.ratios,
                 problem.program.outputs,
                 _HOPELESS,
                 "which no timing cures: an effect's torque jumps there by itself",
             )
-            problem = problem.holding_back(ratios, law)
-            z = problem.inside(found.z)
+            problem = problem.holding_back(found.ratios, law)
+            z = problem.inside(solution.z)
             barrier = _NEAR
-        return law, ratios, iterations
+        return problem, solution.z, found
 
-    def slowed_until_inside(
-        self, law: RateLimitedLaw, ratios: OutputRatios
-    ) -> tuple[RateLimitedLaw, OutputRatios]:
+    def slowed_until_inside(self, found: _Found) -> _Found:
         """The motion slowed by what is still above its limits."""
         for _ in range(_ROUNDS):
-            worst = _largest(ratios)
-            if worst <= 1 - ROUNDING or worst > _HOPELESS:
+            slower = self.slowed(found)
+            if slower is found:
                 break
-            # torque falls with the square of the speed, but for gravity and friction
-            law = law.slowed(1 + 0.7 * (worst - 1) + _BEYOND)
-            ratios = self.as_read(law, self.ratios(law))
-        return law, ratios
+            found = slower
+        return found
+
+    def slowed(self, found: _Found) -> _Found:
+        """The motion slowed once by what is above its limits, if anything is that may be cured."""
+        worst = found.worst
+        if worst <= 1 - ROUNDING or worst > _HOPELESS:
+            return found
+        # torque falls with the square of the speed, but for gravity and friction
+        law = found.law.slowed(1 + 0.7 * (worst - 1) + _BEYOND)
+        return replace(found, law=law, ratios=self.as_read(law, self.ratios(law)))
 
 
 def _refuse(ratios: OutputRatios, outputs: ConstrainedOutputs, most: float, why: str) -> None:

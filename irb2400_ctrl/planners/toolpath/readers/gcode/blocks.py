@@ -46,6 +46,7 @@ MODAL = tuple(
 )
 STATED_ONCE = frozenset("XYZABCIJKRQFST")
 EXTENDED_WORD = re.compile(rf"\s*({'|'.join(EXTENDED)})\s*=\s*{NUMBER}")
+SPLINE = re.compile(r"\b(?:[ABC]SPLINE|POLY|PO(?=\s*\[))(?![A-Z])")
 SUBPROGRAM = re.compile(r"^\s*O\s*<|^\s*O\d+\s+(SUB|CALL|IF|WHILE|REPEAT|DO|ENDSUB)")
 UNREADABLE = (
     (
@@ -85,6 +86,15 @@ REWRITTEN = (
     (re.compile(r"(\bG61\.1)\s*,\s*[A-Z]\s*\d+", re.IGNORECASE), r"\1"),
     # axes that go home (3D printers): G28 X Y
     (re.compile(r"(\bG28)(?:\s*[XYZ](?!\s*[-+.\d=\[#]))+", re.IGNORECASE), r"\1"),
+    # the head of a sub-program without arguments, and its declaration (Siemens)
+    (
+        re.compile(
+            r"^\s*(?:N\d+\s*)?(?:PROC|EXTERN)\s+[A-Z_]\w*\s*(?:\(\s*\))?"
+            r"(?:\s*\b(?:SAVE|DISPLO[FN]|SBLO[FN]|ACTBLOCNO)\b)*\s*(?=;|$)",
+            re.IGNORECASE,
+        ),
+        "",
+    ),
     # home, settings and questions of GRBL, but no jog ($J=…); the name of a program (Okuma)
     (re.compile(r"^\s*\$H\s*(?=[;(]|$)", re.IGNORECASE), "G28 "),
     (re.compile(r"^\s*(?:\$(?!J=)[\w$#.=-]+%?|\?)\s*(?=[;(]|$)", re.IGNORECASE), ""),
@@ -200,11 +210,16 @@ def blocks(
         code = code[skipped.end() :] if skipped else code
         if code.startswith("%"):
             continue
-        # program number or name: O1234, :1234, <NAME>
-        code = re.sub(r"^(?:[O:]\s*\d+|(?:O\s*\d+\s*)?<[^<>]*>)\s*$", "", code)
+        # program number or name: O1234, :1234, <NAME>, ONAME (Okuma)
+        code = re.sub(r"^(?:[O:]\s*\d+|O[A-Z]\w{0,3}|(?:O\s*\d+\s*)?<[^<>]*>)\s*$", "", code)
         try:
             if not closed:
                 raise InputError(f"{name}, line {line}: found a comment ( without its )")
+            if found_spline := SPLINE.search(code):
+                raise InputError(
+                    f"{name}, line {line}: found {found_spline[0]}: splines and polynomials "
+                    "(Siemens) are not read; let the CAM system write straight moves and arcs"
+                )
             code = variables.resolve(code, f"{name}, line {line}")
             words, orders = _words(code, f"{name}, line {line}")
         except InputError as error:

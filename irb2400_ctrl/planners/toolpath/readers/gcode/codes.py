@@ -6,7 +6,7 @@ from __future__ import annotations
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.planners.toolpath.readers.gcode.cycles import CYCLES
 from irb2400_ctrl.planners.toolpath.readers.gcode.frames import CODES as FRAMES
-from irb2400_ctrl.planners.toolpath.readers.gcode.motion import CENTRE, VECTOR
+from irb2400_ctrl.planners.toolpath.readers.gcode.motion import ABSOLUTE, CENTRE, VECTOR
 from irb2400_ctrl.planners.toolpath.readers.gcode.state import AXES, ROTARY, SPLINES, GcodeState
 from irb2400_ctrl.planners.toolpath.readers.program_builder import ProgramBuilder
 
@@ -19,12 +19,14 @@ HARMLESS = frozenset(map(float, _QUIET.split()))
 SPECIAL = frozenset([4, 28, 28.1, 30, 53, 53.1, *FRAMES])
 RADIUS = (
     "the offset by the tool's radius, which the control knows; let the CAM system write the path "
-    "of the tool's centre"
+    "of the tool's centre (where it does, and the control adds the wear alone, take the word out)"
 )
 REFUSED = {
     5.2: "a spline",
     6.3: "a spline",
     7: "programming in diameters",
+    7.1: "interpolation on a cylinder",
+    12.1: "interpolation in polar coordinates",
     10: "a change of the control's offsets (where it only says before the first motion where the "
     "part lies on the machine, delete the line)",
     31: "a probe",
@@ -41,9 +43,9 @@ REFUSED = {
     44: "a tool's length with the other sign",
     87: "boring from below",
     96: "constant surface speed",
-    110: "a pole",
-    111: "a pole",
-    112: "a pole",
+    110: "a pole (Siemens)",
+    111: "a pole (Siemens)",
+    112: "a pole (Siemens), or X and Y of a turning part (Haas)",
     150: "a pocket (Haas); let the CAM system write its moves",
     268: "a tilted plane of Haas, whose order of angles stands elsewhere; expected G68.2 or G254",
 }
@@ -169,7 +171,7 @@ def without_owned(
 
 
 def moves(values: dict[str, float], *, by_centre: bool = False) -> bool:
-    """Whether a block has words that lead somewhere; `by_centre`: I, J and K do
+    """Whether a block has words that lead somewhere; `by_centre`: I, J and K do, and I=AC(…)
     (`GcodeState.by_centre`)."""
-    words = (*AXES, *ROTARY, *VECTOR, *(CENTRE if by_centre else ()))
+    words = (*AXES, *ROTARY, *VECTOR, *((*CENTRE, *ABSOLUTE) if by_centre else ()))
     return any(letter in values for letter in words)

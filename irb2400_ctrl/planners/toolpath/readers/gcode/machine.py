@@ -143,9 +143,14 @@ class GcodeMachine:
         block: a move in it comes after the dwell (LinuxCNC)."""
         builder = self._builder
         word = next((letter for letter in "PXF" if letter in values), "")
+        if not word and "S" in values and self._state.siemens:
+            return self._dwell_in_turns(values)
         stated = values.get(word, -1.0)
         if stated < 0:
-            raise InputError(f"{builder.place}: G4 states no time, expected G4 P or X")
+            raise InputError(
+                f"{builder.place}: G4 states no time, expected G4 P, X or F, on a control of "
+                "Siemens also S"
+            )
         seconds = dwell_seconds(stated)
         if seconds != stated:
             builder.note("assumed", "a dwell of 100 or more is in milliseconds")
@@ -153,6 +158,23 @@ class GcodeMachine:
             builder.note("assumed", "G4 P of less than 100 is in seconds")
         builder.dwell(seconds)
         return {key: value for key, value in values.items() if key != word}
+
+    def _dwell_in_turns(self, values: dict[str, float]) -> dict[str, float]:
+        """G4 S of a control of Siemens: as many turns of the spindle; what is left of the block.
+
+        Raises:
+            InputError: the spindle stands, or a negative number.
+        """
+        builder = self._builder
+        turns = values["S"]
+        if turns < 0 or builder.spindle.rpm <= 0:
+            raise InputError(
+                f"{builder.place}: G4 S{turns:g} waits for turns of the spindle (Siemens); "
+                "expected a positive number and a spindle that runs (S and M3 before it), or "
+                "seconds (G4 F)"
+            )
+        builder.dwell(60 * turns / builder.spindle.rpm)
+        return {key: value for key, value in values.items() if key != "S"}
 
     def _unit(self, code: int, text: str) -> None:
         """A comment names the unit of lengths: it counts where no code has said one."""

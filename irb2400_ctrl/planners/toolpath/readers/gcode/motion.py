@@ -83,9 +83,8 @@ class GcodeMotion:
         if why := state.polar_refusal(values):
             raise InputError(f"{self._builder.place}: found {why}")
         if motion is None and None in state.target(values) and not set(values) & set(ROTARY):
-            self._builder.note(
-                "assumed", "axis words before G0, G1, … are taken as the place of the tool"
-            )
+            says = "axis words before G0, G1, … are taken as the place of the tool"
+            self._builder.note("assumed", says)
             state.at = state.target(values)
             return
         if motion is None:
@@ -98,6 +97,9 @@ class GcodeMotion:
             return
         before = dict(state.rotary)
         axis = self._axis(values)
+        if motion not in {0, *CYCLES} and not (self._builder.moved or None in state.at):
+            # where the tool is without a move to it: G92, axis words before G0
+            self._builder.start(state.placed(state.at, self._builder.place), axis)
         if motion in CYCLES:
             self.cycles.run(motion, values)
         elif motion in SPLINES:

@@ -6,7 +6,10 @@ from __future__ import annotations
 import re
 
 # an exponent (6.1e-17, as scripts print numbers) has a sign and two digits; E of printers has not
-NUMBER = r"([-+]?(?:\d+\.?\d*|\.\d+)(?:E[-+]\d{2,3}(?![\d.]))?)"
+_DIGITS = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:E[-+]\d{2,3}(?![\d.]))?"
+NUMBER = f"({_DIGITS})"
+# a number, or an expression in brackets: AC(10), IC([R1+2])
+_VALUE = rf"({_DIGITS}|\[[^()]*\])"
 # an angle to turn to, in G91 too: C=DC(30), C=AC(30)
 TO_ANGLE = "TOANGLE"
 # transformation, acceleration, feed, compression, dynamics, look-ahead, approach, protected zones
@@ -36,14 +39,14 @@ _REWRITTEN = (
     (re.compile(r'\bMSG\s*\(\s*"([^"]*)"\s*\)', re.IGNORECASE), r"(MSG, \1)"),
     (re.compile(r"\bMSG\s*\(\s*\)", re.IGNORECASE), ""),
     (re.compile(r'\bT\s*=\s*"([^"]*)"', re.IGNORECASE), r"(TC: \1)"),
-    (re.compile(rf"\b([IJK])\s*=\s*AC\s*\(\s*{NUMBER}\s*\)", re.IGNORECASE), r"\1AC=\2"),
+    (re.compile(rf"\b([IJK])\s*=\s*AC\s*\(\s*{_VALUE}\s*\)", re.IGNORECASE), r"\1AC=\2"),
     (re.compile(r"\bCYCLE832\s*\([^()]*\)", re.IGNORECASE), ""),
     (
-        re.compile(rf"\b([ABC])\s*=\s*(?:DC|AC[PN]?)\s*\(\s*{NUMBER}\s*\)", re.IGNORECASE),
+        re.compile(rf"\b([ABC])\s*=\s*(?:DC|AC[PN]?)\s*\(\s*{_VALUE}\s*\)", re.IGNORECASE),
         rf"\1=\2 {TO_ANGLE}=1",
     ),
     (
-        re.compile(rf"\b([XYZABC])\s*=\s*(IC|AC)\s*\(\s*{NUMBER}\s*\)", re.IGNORECASE),
+        re.compile(rf"\b([XYZABC])\s*=\s*(IC|AC)\s*\(\s*{_VALUE}\s*\)", re.IGNORECASE),
         r"\1=\3 \1\2=1",
     ),
     # the blank for the simulation, the main spindle
@@ -51,6 +54,14 @@ _REWRITTEN = (
     (re.compile(r"\b(GROUP_BEGIN)\s*\([^()]*\)", re.IGNORECASE), r"\1"),
     (re.compile(r"\bTRAORI\s*\(\s*1?\s*\)", re.IGNORECASE), "TRAORI"),
     (re.compile(r"\bTRAFOOF\s*\(\s*\)", re.IGNORECASE), "TRAFOOF"),
+    # the spindle turned to an angle
+    (
+        re.compile(
+            rf"\bSPOSA?\s*(?:\[\s*\d+\s*\]\s*)?=\s*(?:{NUMBER}|(?:AC|IC|DC|AC[PN])\s*\([^()]*\))",
+            re.IGNORECASE,
+        ),
+        "M19",
+    ),
     # the first spindle by its number: S1=5000 M1=3
     (re.compile(r"(?<![A-Z_])([SM])[1-9]\s*=\s*(\d+\.?\d*)", re.IGNORECASE), r"\1\2"),
     (re.compile(r"\bG153\b", re.IGNORECASE), "SUPA"),
@@ -60,6 +71,7 @@ _REWRITTEN = (
 _ROUND = re.compile(
     r"(?:[=+\-*/\[,]|\b(?:A?SIN|A?COS|TAN|ATAN2|SQRT|ABS|ROUND|TRUNC|POT))\s*\(", re.IGNORECASE
 )
+_PLACE = re.compile(r"=\s*(?:IC|DC|AC[PN]?)\s*\((?!\s*\[)", re.IGNORECASE)
 _BEGINS = re.compile(r"[=(]|\bG(?:153|75)\b", re.IGNORECASE)
 
 
@@ -68,9 +80,33 @@ def rewritten(raw: str) -> str:
     comments, absolute centres as one word, fixed points as places of the machine."""
     if not _BEGINS.search(raw):
         return raw
+    raw = _bracketed(raw)
     for pattern, text_for_it in _REWRITTEN:
         raw = pattern.sub(text_for_it, raw)
     return _FIXED_POINT.sub(_as_machine_place, raw)
+
+
+def _bracketed(raw: str) -> str:
+    """Expressions in AC( ), IC( ) and their like in square brackets; numbers stay."""
+    at = 0
+    while found := _PLACE.search(raw, at):
+        at = found.end()
+        close = _closing(raw, at - 1)
+        inner = raw[at:close]
+        if close < len(raw) and not re.fullmatch(rf"\s*{NUMBER}\s*", inner, re.IGNORECASE):
+            square = inner.replace("(", "[").replace(")", "]")
+            raw = f"{raw[:at]}[{square}]{raw[close:]}"
+    return raw
+
+
+def _closing(raw: str, opened: int) -> int:
+    """Where the bracket at `opened` is closed; the length of the text where it is not."""
+    depth = 0
+    for at in range(opened, len(raw)):
+        depth += {"(": 1, ")": -1}.get(raw[at], 0)
+        if depth == 0:
+            return at
+    return len(raw)
 
 
 def with_square_brackets(raw: str) -> str:
@@ -78,14 +114,10 @@ def with_square_brackets(raw: str) -> str:
     told from comments."""
     while found := _ROUND.search(raw):
         opened = found.end() - 1
-        depth = 0
-        for at in range(opened, len(raw)):
-            depth += {"(": 1, ")": -1}.get(raw[at], 0)
-            if depth == 0:
-                raw = f"{raw[:opened]}[{raw[opened + 1 : at]}]{raw[at + 1 :]}"
-                break
-        else:
+        close = _closing(raw, opened)
+        if close == len(raw):
             break
+        raw = f"{raw[:opened]}[{raw[opened + 1 : close]}]{raw[close + 1 :]}"
     return raw
 
 

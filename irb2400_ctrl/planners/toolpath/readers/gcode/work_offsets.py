@@ -1,5 +1,5 @@
-"""The work frame that a block selects: G54 … G59, G54.1 P (Fanuc), G154 P (Haas), G505 (Siemens),
-G15 H (Okuma)."""
+"""The work frame that a block selects: G54 … G59, G54.1 P (Fanuc), G154 P and G110 (Haas), G505
+(Siemens), G15 H (Okuma)."""
 
 from __future__ import annotations
 
@@ -27,8 +27,14 @@ _TABLE = frozenset([54.2, 54.4])
 _LENGTHS = frozenset([43, 43.1, 43.4, 43.5, 44, 234])
 
 
-def selects(code: float) -> bool:
-    """Whether a G code names a work frame."""
+# G112 turns XY to polar coordinates on lathes
+_HAAS = frozenset([110, 111, *range(114, 130)])
+
+
+def selects(code: float, *, siemens: bool) -> bool:
+    """Whether a G code names a work frame; on a control of Siemens G110 is a pole."""
+    if code in _HAAS:
+        return not siemens
     return 54 <= code < 60 or code in {154, 500} or 505 <= code < 600
 
 
@@ -77,13 +83,17 @@ class WorkOffsets:
             self._builder.set_length_offset(int(values["H"]))
             self._builder.note("assumed", "G56 H is the tool's length offset (Okuma), not applied")
             codes = [code for code in codes if code != 56]
-        for code in filter(selects, codes):
+        named = [code for code in codes if selects(code, siemens=self._state.siemens)]
+        for code in named:
+            if code in _HAAS:
+                says = f"G{code:g} is a work frame of the control (Haas)"
+                self._builder.note("assumed", says)
             if code in _TABLE and values.get("P", 1) == 0:
                 continue
             alone = "P" in values and _LEAVES_P.issuperset(codes)
             number = f" P{values.get('P', 1):g}" if code in MANY or alone else ""
             self._state.work_offset = f"G{code:g}{number}"
-        return [code for code in codes if not selects(code)]
+        return [code for code in codes if code not in named]
 
     def used(self) -> None:
         """A move in the frame in force: its places are brought into the common one.

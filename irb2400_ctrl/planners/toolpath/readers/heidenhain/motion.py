@@ -10,6 +10,7 @@ import numpy as np
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.planners.toolpath.readers.feed import Feed
+from irb2400_ctrl.planners.toolpath.readers.gcode.codes import RADIUS
 from irb2400_ctrl.planners.toolpath.readers.gcode.motion import GcodeMotion
 from irb2400_ctrl.planners.toolpath.readers.gcode.rotary import Rotary
 from irb2400_ctrl.planners.toolpath.readers.gcode.state import AXES, PLANES, ROTARY, GcodeState
@@ -29,10 +30,6 @@ _ONLY_OTHERS = {
     "LP": frozenset("R"),
     "L": _POLAR | {"R"},
 }
-COMPENSATED = (
-    "the offset by the tool's radius, which the control knows; let the CAM system write the path "
-    "of the tool's centre"
-)
 
 
 class PlainMotion:
@@ -209,7 +206,7 @@ class PlainMotion:
         if not values:
             return
         if self._compensated:
-            raise InputError(f"{builder.place}: {self._compensated} is {COMPENSATED}; not read")
+            raise InputError(f"{builder.place}: {self._compensated} is {RADIUS}; not read")
         if set(VECTOR.values()) & set(values) and not state.tool_centre:
             raise InputError(
                 f"{builder.place}: TX, TY, TZ without M128 or FUNCTION TCPM; expected one of them "

@@ -1,13 +1,17 @@
 """The blocks of a program in Heidenhain's plain language: one behind each number, `~` goes on in
-the next line, `;` begins a comment, `* -` names what comes."""
+the next line, `;` begins a comment, `* -` names what comes. Some posts, and printed programs, write
+the values of a cycle below `CYCL DEF 200` without `~`."""
 
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 _NUMBER = re.compile(r"^\s*(/?)\s*(?:\d+(?![\d.,]))?\s*(/?)\s*")
 _HEADING = re.compile(r"^\*\s*-?\s*")
+_DEFINES = re.compile(r"^CYCLE?\s+DEF\s*[2-9]\d\d(?![\d.])")
+# Q of cycles are those from 200 on
+_VALUE = re.compile(r"^(Q(?:[2-9]\d\d|1\d{3}))\s*=\s*(?:[-+]?\s*[\d.]+|Q\d+|[A-Z]+)$")
 _COMMA = re.compile(r"(?<=\d),(?=\d)")
 
 
@@ -50,5 +54,21 @@ def statements(text: str) -> list[Statement]:
         code = joined[number.end() :].strip() if number else joined.strip()
         if code:
             skipped = number is not None and "/" in number.groups()
-            found.append(Statement(first, _COMMA.sub(".", code.upper()), code, skipped))
+            block = Statement(first, _COMMA.sub(".", code.upper()), code, skipped)
+            numbered = number is not None and number[0].strip(" \t/") != ""
+            if found and not numbered and _goes_on(found[-1], block):
+                parts_of_it = (f"{found[-1].code} {block.code}", f"{found[-1].text} {block.text}")
+                found[-1] = replace(found[-1], code=parts_of_it[0], text=parts_of_it[1])
+            else:
+                found.append(block)
     return found
+
+
+def _goes_on(before: Statement, block: Statement) -> bool:
+    """Whether a block without a number is a value of the cycle that the one before it defines."""
+    value = _VALUE.match(block.code)
+    return (
+        value is not None
+        and _DEFINES.match(before.code) is not None
+        and re.search(rf"\b{value[1]}\s*=", before.code) is None
+    )
