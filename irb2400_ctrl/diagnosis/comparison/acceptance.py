@@ -168,7 +168,10 @@ class Acceptance:
         is followed, as a cable bent to all sides follows a soft stop's."""
         if not effect.discrepancy:
             return True
-        law = self.fitter.placed(effect) @ np.array(effect.coefficients())
+        size = np.array(effect.coefficients())
+        # dry friction that it takes the place of is the base's
+        size[len(size) - len(effect.prior.in_place_of_friction) :] = 0.0
+        law = self.fitter.placed(effect) @ size
         # further columns tell how a record began
         columns = self.fitter.placed(effect, discrepancy=True)[:, :, : len(effect.discrepancy)]
         off = columns @ np.array(effect.discrepancy)
