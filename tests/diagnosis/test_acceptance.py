@@ -170,7 +170,7 @@ def test_an_order_that_left_the_grid_belongs_to_no_ripple(order: float, named: b
     assert usual(ripple) == named
 
 
-@pytest.mark.parametrize(("damping", "named"), [(0.437, False), (0.301, False), (0.299, True)])
+@pytest.mark.parametrize(("damping", "named"), [(0.437, False), (0.351, False), (0.349, True)])
 def test_a_swing_that_is_over_at_once_is_no_springs(damping: float, named: bool) -> None:
     """On both halves of a Panda's log the search for one ended at its last value, 0.437: a file of
     wrong bodies was given an elastic joint with 0.75."""
