@@ -63,6 +63,8 @@ def lost_rows(log: Log) -> LostRows | None:
     size = np.abs(expected)
     told = size > _least(log.q, np.abs(here - expected))
     told &= np.abs(steps[1:-3] - steps[3:-1]) < AGREE * size
+    # an arm that comes to rest stays there: it moves before and behind
+    told &= (steps[1:-3] * expected > 0.0) & (steps[3:-1] * expected > 0.0)
     asked = even & (told.sum(axis=1) > 1)
     if asked.sum() < FEWEST:
         return None
