@@ -171,6 +171,9 @@ def test_whole_numbers_in_the_thousands_are_counts_of_an_encoder(tmp_path: Path)
     assert "ActualVelocity" not in told
     (tmp_path / "map.toml").write_text(told.replace("nan", str(0.5 / np.pi / 131072)), "utf-8")
     same(read_log(path, columns=tmp_path / "map.toml"), LOG, 1e-5)
+    # many turns of a joint have decimals
+    turns = {"t": T, "ActualPosition{j}": 4000.0 + np.degrees(Q), "ActualTorque{j}": TAU}
+    assert 'unit = "deg"' in shown(written(path, turns))
 
 
 def test_a_time_that_counts_by_one_may_count_rows(tmp_path: Path) -> None:
