@@ -116,7 +116,7 @@ def _speeds(
 
     With the inertia m in units of J the loop is m s^3 + w (s + 1 / Ti) (s + Kp): w / m has to stay
     below what the drive's delay allows where the arm is lightest. Where it is heaviest, it has to
-    be above 1 / (1 / Kp + Ti) (Routh), here by a margin.
+    be above 1 / (1 / Kp + Ti) (Routh), here by a margin. Weight is left out.
 
     Args:
         robot: the arm.

@@ -87,13 +87,13 @@ class _Loops:
     @cached_property
     def weights(self) -> Array:
         """How fast the weight alone speeds up an error, per angle [1/s2]: largest eigenvalue of
-        M^-1 dG/dq at each pose, shape (k,)."""
+        -M^-1 dG/dq at each pose, shape (k,)."""
         model = Model(self.robot)
         q = ca.SX.sym("q", self.robot.n)
         slope = ca.Function("slope", [q], [ca.jacobian(model.function("gravity")(q), q)])
         slopes = np.stack([ca.DM(slope(pose)).full() for pose in self.poses])
         rates = np.linalg.solve(model.mass_matrix(self.poses), slopes)
-        return np.asarray(np.abs(np.linalg.eigvals(rates)).max(axis=1))
+        return np.asarray(-np.linalg.eigvals(rates).real.min(axis=1))
 
     def growth(self, block: Block, *, ideal: bool) -> tuple[float, Array]:
         """Of the fastest error [1/s], zero where all fade or are the weight's; and the pose."""

@@ -46,18 +46,12 @@ def without_doubled_rows(table: Table, used: set[str]) -> Table:
     return replace(table, columns=columns, rows=rows[keep])
 
 
-def without_zeros_behind(table: Table, used: set[str], time: str) -> Table:
-    """Without the last rows of nothing but zeros, the time too, of an array that was longer than
-    the record.
-
-    Args:
-        table: the rows; used: the columns that matter; time: the one of them that is the time.
-    """
-    zero = np.ones(len(table.columns[time]), dtype=bool)
-    for name in used:
-        zero &= table.columns[name] == 0.0
+def without_zeros_behind(table: Table, used: set[str]) -> Table:
+    """Without the last rows of nothing but zeros in the columns that matter, the time too, of an
+    array that was longer than the record."""
+    zero = np.all([table.columns[name] == 0.0 for name in used], axis=0)
     there = np.flatnonzero(~zero)
-    if not zero[-1:].any() or not len(there) or table.columns[time][there[-1]] <= 0.0:
+    if not zero[-1:].any() or not len(there):
         return table
     keep = slice(int(there[-1]) + 1)
     rows = None if table.rows is None else table.rows[keep]

@@ -133,7 +133,7 @@ def log_of(
     used = {time[0], *(name for places in found.values() for name in places.values())}
     table = without_blank_rows(table, used - {time[0]})
     all_finite(table, used)
-    table = without_doubled_rows(without_zeros_behind(table, used, time[0]), used)
+    table = without_doubled_rows(without_zeros_behind(table, used), used)
     found = {signal: places for signal, places in found.items() if places}
     signals = {signal: _stacked(table, places, scales, n) for signal, places in found.items()}
     stamps = _frozen(table.columns.pop(time[0]) * time[1])

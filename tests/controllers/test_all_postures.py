@@ -72,6 +72,14 @@ def test_what_is_stated_stays_as_stated(seven: Robot) -> None:
     np.testing.assert_allclose(parameter(one, "kp"), 1600 * typical_inertia(seven))
 
 
+def test_the_integral_beside_a_slow_position_gain_has_margins(seven: Robot) -> None:
+    free = seven.model_copy(update={"gravity_m_s2": (0.0, 0.0, 0.0)})
+    block = controller("pid", free, position_bandwidth=1.0)
+    worst = over_poses(free, block, postures(free))
+    assert worst.stable
+    assert worst.coupled_peak < 3.0, str(worst)
+
+
 def test_the_span_holds_for_drawn_postures(seven: Robot) -> None:
     """Against the mass matrices of postures that its search has not seen."""
     J = typical_inertia(seven)
@@ -84,6 +92,8 @@ def test_the_span_holds_for_drawn_postures(seven: Robot) -> None:
     K = slowed(seven, 80 * J, 300.0)
     assert inertia_span(seven, K).light > 0.999 / 300.0
     assert (K <= 80 * J).all()
+    # joints that hardly take part in the lightest direction keep theirs
+    assert (K[[1, 4, 5, 6]] > 0.8 * 80 * J[[1, 4, 5, 6]]).all()
 
 
 def kicked(robot: Robot, block, pose: np.ndarray, *, samples: int) -> float:

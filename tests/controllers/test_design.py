@@ -21,6 +21,7 @@ from irb2400_ctrl.controllers.design import (
 from irb2400_ctrl.controllers.linear import (
     LinearLoop,
     arm_to_control,
+    hanging,
     linearize,
     linearize_block,
     to_control,
@@ -308,8 +309,6 @@ def test_elastic_joint_in_the_linearised_arm() -> None:
     # a small torque pulse on the simulated plant gives the linear answer
     plant = compile_block(plant_block(robot, 1e-4))
     values = {f.name: f.start for f in plant.block.states}
-    from irb2400_ctrl.controllers.linear import hanging
-
     link, load = hanging(robot, START, np.zeros(6))
     values |= {"q": START, "link": link[:1]}
     push = np.array([0.5, 0, 0, 0, 0, 0])
@@ -323,3 +322,17 @@ def test_elastic_joint_in_the_linearised_arm() -> None:
         system, np.arange(201) * 1e-4, np.tile(push[:, None], (1, 201))
     )
     np.testing.assert_allclose(states[:, 0] - START[0], answer.outputs[0], atol=2e-8)
+
+
+def test_a_loaded_spring_that_stiffens_is_stiffer_in_the_linearised_arm() -> None:
+    k = 4e4
+    stiffening = 2000.0
+    spring = {"stiffness_Nm_rad": k, "damping_ratio": 0.02, "stiffening_per_rad": stiffening}
+    robot = with_effect(without_friction(arm()), "elastic_joint", 3, spring)
+    robot = with_effect(robot, "rotor_inertia", 3, {"inertia_kgm2": 15.0})
+    _, load = hanging(robot, START, np.zeros(6))
+    pushed = abs(stiffening * load[2] / k)
+    assert pushed > 1
+    # what the motor feels of its own angle
+    slope = linearize(robot, START).A[9, 2]
+    assert slope == pytest.approx(-k * np.hypot(1, pushed) / 15.0, rel=1e-6)

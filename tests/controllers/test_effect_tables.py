@@ -19,6 +19,7 @@ from irb2400_ctrl.codegen import Block, HostController, Package
 from irb2400_ctrl.codegen.package import FAULT_PARAMETERS
 from irb2400_ctrl.controllers import controller, guarded
 from irb2400_ctrl.controllers.arm_numbers import ArmNumbers
+from irb2400_ctrl.controllers.design import over_poses
 from irb2400_ctrl.controllers.effect_tables import EffectTable, effect_tables
 from irb2400_ctrl.controllers.momentum import Momentum
 from irb2400_ctrl.effects import LIBRARY, Effect
@@ -287,3 +288,10 @@ def test_a_table_keeps_the_axes_that_a_force_is_stated_in() -> None:
     found = np.array(f(np.linspace(0.2, 0.7, ARM.n), 1.0, *(list(row.default) for row in rows)))
     assert np.abs(found[:, 1]).max() > 10.0
     np.testing.assert_allclose(found[:, 0], found[:, 1], rtol=0, atol=1e-9)
+
+
+def test_the_peak_of_an_arm_without_torque_limits_is_in_units_of_inertias() -> None:
+    block = controller("computed_torque", ARM)
+    worst = over_poses(ARM, block, np.zeros(ARM.n))
+    of_limits = over_poses(load_robot("irb2400"), block, np.zeros(ARM.n))
+    assert worst.coupled_peak == pytest.approx(of_limits.coupled_peak, rel=0.1)

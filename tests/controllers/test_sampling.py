@@ -10,13 +10,17 @@ import casadi as ca
 import numpy as np
 import pytest
 from command_line import irb2400
+from simulation.arms import without_friction
+from simulation.other_arms import ACROSS, SINGLE, arm_of
 
 import irb2400_ctrl as irb
 from irb2400_ctrl.codegen import Block
 from irb2400_ctrl.codegen.controller import HostController
 from irb2400_ctrl.codegen.package import FAULT_PARAMETERS, Package
 from irb2400_ctrl.controllers import CONTROLLERS, controller, guarded, momentum_observer
-from irb2400_ctrl.controllers.sampling import check_sampled_loop, postures
+from irb2400_ctrl.controllers.linear import LinearLoop
+from irb2400_ctrl.controllers.sampling import _Loops, check_sampled_loop, postures
+from irb2400_ctrl.controllers.timing import Timing
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.robot.changed import changed
 
@@ -84,6 +88,27 @@ def test_an_arm_without_gains_is_guided_by_hand(name: str) -> None:
     """On the ur10e it was "unstable": a held torque balances the weight of a sample ago."""
     build = partial(controller, name, UR10E, bandwidth=0.0)
     assert check_sampled_loop(UR10E, build, 0.001) == ""
+    # at a low rate it falls within a second
+    with pytest.raises(InputError, match="unstable on its own arm"):
+        check_sampled_loop(UR10E, build, 0.02)
+
+
+@pytest.mark.parametrize("delay", [0, 1, 3])
+def test_a_held_torque_lets_an_arm_fall_as_fast_as_is_said(delay: int, tmp_path: Path) -> None:
+    """And not at all where it hangs."""
+    T = 0.001
+    timing = Timing(T, delay_samples=delay, speed_filter_Hz=0.0)
+    (turns, body), *_ = SINGLE
+    pendulum = arm_of((((turns[0], ACROSS, *turns[2:]), body),), "pendulum", tmp_path)
+    upright_and_hanging = np.array([[-np.pi / 2], [np.pi / 2]])
+    for robot, poses in ((ROBOT, postures(ROBOT)), (pendulum, upright_and_hanging)):
+        loops = _Loops(without_friction(robot), poses)
+        block = controller("gravity_pd", robot, T, bandwidth=0.0)
+        found = [
+            np.log(np.abs(LinearLoop(loops.robot, block, q, timing).poles).max()) / T for q in poses
+        ]
+        falls = np.maximum(T * (delay + 0.5) * loops.weights, 0.0)
+        np.testing.assert_allclose(found, falls, rtol=0.02, atol=2e-3)
 
 
 def test_gains_that_no_rate_makes_good_are_said_to_be_that() -> None:
@@ -93,7 +118,7 @@ def test_gains_that_no_rate_makes_good_are_said_to_be_that() -> None:
         check_sampled_loop(ROBOT, build, 0.001)
 
 
-def testpostures_are_within_a_box_beyond_half_a_turn() -> None:
+def test_postures_are_within_a_box_beyond_half_a_turn() -> None:
     turned = changed(ROBOT, ["joints.6.limits.range_deg=[200, 900]"])
     poses = postures(turned)
     assert np.all((poses >= turned.q_min) & (poses <= turned.q_max))

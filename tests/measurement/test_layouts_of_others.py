@@ -67,6 +67,8 @@ STATES = [f"{s}_{name}_joint" for s in ("position", "effort") for name in revers
 LAYOUTS = {
     "libfranka": libfranka(),
     "iso": clock(lambda t: f"2023-05-04 12:00:{t:09.6f}"),
+    "underscore": clock(lambda t: f"2023-05-04_12:00:{t:09.6f}"),
+    "stroke": clock(lambda t: f"2023/05/04/12:00:{t:09.6f}"),
     "zulu": clock(lambda t: f"2023-05-04T12:00:{t:09.6f}Z"),
     "clock": clock(lambda t: f"9:59:{t:09.6f}"),
     "over midnight": clock(lambda t: f"23:59:{t + 59:09.6f}" if t < 1 else f"00:00:{t - 1:09.6f}"),

@@ -67,6 +67,13 @@ def test_the_joints_side_comes_before_the_motors_and_iq_is_a_current(tmp_path: P
     assert "motor_id" not in told
 
 
+def test_short_names_of_the_motors_side_come_behind_long_ones_of_the_joints(
+    tmp_path: Path,
+) -> None:
+    columns = {"t": T, "joint_position_{j}": Q, "rotor_q_{j}": 101 * Q, "torque_{j}": TAU}
+    assert 'file = "joint_position_{j}"' in shown(written(tmp_path / "log.csv", columns))
+
+
 def test_i_and_m_are_currents_and_torques(tmp_path: Path) -> None:
     """They were "no columns called as measured torques or currents"."""
     columns = {"t": T, "q_target_{j0}": Q, "m_target_{j0}": TAU, "q_actual_{j0}": Q}
@@ -114,7 +121,8 @@ def test_an_angle_that_jumps_by_a_whole_turn_is_shown_as_wrapped(
     found = read_log(path, columns=tmp_path / "map.toml")
     np.testing.assert_allclose(np.diff(found.q, axis=0), np.diff(Q, axis=0), atol=1e-8)
     assert "wrapped" not in shown(written(path, {**columns, "angle_{j}": angles}))
-    jumps = 180.0 * np.random.default_rng(1).random(Q.shape) + 200.0 * (T[:, None] > 1.0)
+    # by half a turn, too: no angle that is wrapped
+    jumps = Q + turn * ((T[:, None] > 1.0) + 0.5 * (T[:, None] > 1.5))
     assert "wrapped" not in shown(written(path, {**columns, "angle_{j}": jumps}))
 
 
@@ -163,6 +171,9 @@ def test_whole_numbers_in_the_thousands_are_counts_of_an_encoder(tmp_path: Path)
     assert "ActualVelocity" not in told
     (tmp_path / "map.toml").write_text(told.replace("nan", str(0.5 / np.pi / 131072)), "utf-8")
     same(read_log(path, columns=tmp_path / "map.toml"), LOG, 1e-5)
+    # many turns of a joint have decimals
+    turns = {"t": T, "ActualPosition{j}": 4000.0 + np.degrees(Q), "ActualTorque{j}": TAU}
+    assert 'unit = "deg"' in shown(written(path, turns))
 
 
 def test_a_time_that_counts_by_one_may_count_rows(tmp_path: Path) -> None:

@@ -14,7 +14,12 @@ MOVE = quintic_move(START, STOP, 0.4)
 
 @pytest.mark.parametrize(
     ("control", "asked", "given"),
-    [(1000.0, 500.0, 500.0), (1000.0, 333.33, 1000 / 3), (200.0, None, 200.0)],
+    [
+        (1000.0, 500.0, 500.0),
+        (1000.0, 333.33, 1000 / 3),
+        (200.0, None, 200.0),
+        (450.0, None, 225.0),
+    ],
 )
 def test_the_log_has_the_rate_that_simulation_json_says(
     control: float, asked: float | None, given: float

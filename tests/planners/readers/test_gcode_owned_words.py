@@ -120,3 +120,9 @@ def test_the_first_arc_begins_where_g92_says_the_tool_is(tmp_path: Path) -> None
     position = 1e3 * program(tmp_path, text).operation().path.position
     assert np.allclose(position[[0, -1]], [[0, 0, 0], [10, 0, 0]])
     assert np.allclose(np.linalg.norm(position - [5, 0, 0], axis=1), 5)
+
+
+def test_holes_begin_above_the_first_wherever_g92_says_the_tool_is(tmp_path: Path) -> None:
+    text = "G21 G90 G92 X50 Y0 Z9\nG81 X1 Y2 Z-3 R1 F60\nM30\n"
+    position = 1e3 * program(tmp_path, text).operation().path.position
+    assert np.allclose(position[:, :2], [1, 2])

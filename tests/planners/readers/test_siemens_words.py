@@ -128,6 +128,8 @@ def test_a_dwell_in_turns_of_the_spindle(tmp_path: Path) -> None:
     assert found.spindle.rpm == pytest.approx(120)
     with pytest.raises(InputError, match=r"G4 S30 waits for turns .* expected .* a spindle that"):
         read(tmp_path, f"{HEAD}G4 S30\n{CUT}")
+    with pytest.raises(InputError, match=r"G4 S-3 waits for turns .* a positive number"):
+        read(tmp_path, f"{HEAD}S120 M3\nG4 S-3\n{CUT}")
 
 
 @pytest.mark.parametrize(
@@ -168,7 +170,7 @@ def test_centres_and_angles_by_expressions(tmp_path: Path) -> None:
     ("head", "call"),
     [
         ("PROC SUB1", "SUB1"),
-        ("N1 PROC SUB1 SAVE DISPLOF ; A HEAD", "SUB1"),
+        ("N1 PROC SUB1 DISPLOF ACTBLOCNO ; A HEAD", "SUB1"),
         ("PROC SUB1()", "SUB1()"),
     ],
 )
@@ -179,3 +181,6 @@ def test_heads_of_sub_programs_without_arguments(tmp_path: Path, head: str, call
     for line in ("PROC SUB1(REAL A1)", "EXTERN SUB1(REAL)"):
         with pytest.raises(InputError, match=r"found '(PROC|EXTERN) SUB1"):
             read(tmp_path, f"{main}%_N_SUB1_SPF\n{line}\nG1 X5 F60\nRET\n")
+    # the control is at G90 again behind it
+    with pytest.raises(InputError, match=r"found 'PROC SUB1 SAVE'.* with SAVE the caller has"):
+        read(tmp_path, f"{main}%_N_SUB1_SPF\nPROC SUB1 SAVE\nG91 G1 X5 F60\nRET\n")

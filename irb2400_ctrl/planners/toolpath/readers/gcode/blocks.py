@@ -64,6 +64,11 @@ UNREADABLE = (
         "a label is where a jump or REPEAT leads to; jumps and loops are not read: let the CAM "
         "system write all moves out",
     ),
+    (
+        re.compile(r"\bPROC\b.*\bSAVE\b"),
+        "with SAVE the caller has its G functions back behind the sub-program, which is not read: "
+        "take SAVE out where the sub-program changes none, or write all moves into one program",
+    ),
     (re.compile(r"\b(CT|CIP|INVCW|INVCCW)\b"), "of arcs G2 and G3 are read"),
     (re.compile(r"\*"), "blocks that end in * (Heidenhain's DIN/ISO) or a checksum are not read"),
     (re.compile(r"\d,\d"), "of decimal numbers only those with a point are read"),
@@ -90,7 +95,7 @@ REWRITTEN = (
     (
         re.compile(
             r"^\s*(?:N\d+\s*)?(?:PROC|EXTERN)\s+[A-Z_]\w*\s*(?:\(\s*\))?"
-            r"(?:\s*\b(?:SAVE|DISPLO[FN]|SBLO[FN]|ACTBLOCNO)\b)*\s*(?=;|$)",
+            r"(?:\s*\b(?:DISPLO[FN]|SBLO[FN]|ACTBLOCNO)\b)*\s*(?=;|$)",
             re.IGNORECASE,
         ),
         "",

@@ -6,10 +6,9 @@ from __future__ import annotations
 import re
 
 # an exponent (6.1e-17, as scripts print numbers) has a sign and two digits; E of printers has not
-_DIGITS = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:E[-+]\d{2,3}(?![\d.]))?"
-NUMBER = f"({_DIGITS})"
-# a number, or an expression in brackets: AC(10), IC([R1+2])
-_VALUE = rf"({_DIGITS}|\[[^()]*\])"
+NUMBER = r"([-+]?(?:\d+\.?\d*|\.\d+)(?:E[-+]\d{2,3}(?![\d.]))?)"
+# an expression in brackets: AC([10]), IC([R1+2])
+_VALUE = r"(\[[^()]*\])"
 # an angle to turn to, in G91 too: C=DC(30), C=AC(30)
 TO_ANGLE = "TOANGLE"
 # transformation, acceleration, feed, compression, dynamics, look-ahead, approach, protected zones
@@ -87,14 +86,13 @@ def rewritten(raw: str) -> str:
 
 
 def _bracketed(raw: str) -> str:
-    """Expressions in AC( ), IC( ) and their like in square brackets; numbers stay."""
+    """What stands in AC( ), IC( ) and their like in square brackets."""
     at = 0
     while found := _PLACE.search(raw, at):
         at = found.end()
         close = _closing(raw, at - 1)
-        inner = raw[at:close]
-        if close < len(raw) and not re.fullmatch(rf"\s*{NUMBER}\s*", inner, re.IGNORECASE):
-            square = inner.replace("(", "[").replace(")", "]")
+        if close < len(raw):
+            square = raw[at:close].replace("(", "[").replace(")", "]")
             raw = f"{raw[:at]}[{square}]{raw[close:]}"
     return raw
 
