@@ -55,7 +55,7 @@ def test_every_kind_explains_itself(kind: str) -> None:
     effect = LIBRARY[kind]
     found = explain(kind)
     assert found["sentence"] == effect.sentence
-    assert found["law"].splitlines()[0] in " ".join((effect.__doc__ or "").split("\n"))
+    assert found["law"].splitlines()[0] in (effect.__doc__ or "").replace("`", "")
     own = {name for name in effect.model_fields if name not in COMMON}
     assert {one["name"] for one in found["parameters"]} == own
     text = " ".join(" ".join(lines(found)).split())
