@@ -192,7 +192,7 @@ def lines(found: dict[str, Any], robot: str | None = None) -> list[str]:
     text.append("parameters:")
     for one in found["parameters"]:
         unit = f" [{one['unit']}]" if one["unit"] else ""
-        usual = "" if one["usual"] is None else f"; for example {one['usual']}"
+        usual = "" if one["usual"] is None else f"; for example {as_in_a_file(one['usual'])}"
         text += _wrapped(f"{one['name']}{unit}: {one['meaning']}{usual}", "  ")
     text.append(f"look-alikes (ambiguity group {found['group']}):")
     for one in found["look_alikes"]:
@@ -208,6 +208,11 @@ def lines(found: dict[str, Any], robot: str | None = None) -> list[str]:
     if found["in_diagnosis"]:
         text += _wrapped(f"a motion that separates them: {excite_line(found['kind'], robot)}", "")
     return [*text, *(f"note: {words}" for words in found["remarks"])]
+
+
+def as_in_a_file(value: Any) -> str:
+    """A value of a parameter as a robot file writes it."""
+    return str(value).lower() if isinstance(value, bool) else str(value)
 
 
 def _wrapped(text: str, indent: str) -> list[str]:

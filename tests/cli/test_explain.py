@@ -50,6 +50,11 @@ class LooseHose(Effect):
 KINDS = [kind for kind, effect in LIBRARY.items() if registry.users_files([effect]) == []]
 
 
+def test_yes_and_no_are_written_as_in_a_robot_file() -> None:
+    """`False` is no TOML."""
+    assert "for example false" in " ".join(lines(explain("time_delay")))
+
+
 @pytest.mark.parametrize("kind", KINDS)
 def test_every_kind_explains_itself(kind: str) -> None:
     effect = LIBRARY[kind]

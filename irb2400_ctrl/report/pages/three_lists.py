@@ -239,8 +239,8 @@ def further_numbers(entry: Entry) -> list[str]:
         name = _first(finding)
         told = "" if name is None else numbers_beside(finding, name)
         if told:
-            place = f"joint {finding.effect.joint}: " if len(entry.findings) > 1 else ""
-            found.append(f"{place}with {told}")
+            place = f" of joint {finding.effect.joint}" if len(entry.findings) > 1 else ""
+            found.append(f"its other numbers{place}: {told}")
     return found
 
 
