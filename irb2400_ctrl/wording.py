@@ -16,6 +16,11 @@ def numbered(what: str, places: Sequence[int]) -> str:
     return f"{what}{'s' if len(places) > 1 else ''} {joined([str(place) for place in places])}"
 
 
+def up_to(what: str, number: int) -> str:
+    """`joint 1`, `joints 1 to 6`."""
+    return f"{what} 1" if number == 1 else f"{what}s 1 to {number}"
+
+
 def counted(number: int, what: str) -> str:
     """`1 joint`, `6 joints`."""
     return f"{number} {what}{'' if number == 1 else 's'}"

@@ -79,7 +79,7 @@ def codegen(
     ] = None,
     design: Annotated[
         list[str] | None,
-        typer.Option(metavar="WISH=VALUE[,VALUE...]", help="Another wish; may be repeated."),
+        typer.Option(metavar="WISH=VALUE[,VALUE...]", help="Another wish; may be given again."),
     ] = None,
     tables: Annotated[
         bool,
@@ -166,8 +166,9 @@ def _say_margins(robot: Robot, block: Block) -> None:
 
     poses = postures(robot)
     worst = over_poses(robot, block, poses)
-    drive = f"{len(poses)} postures, drive a sample late, speed filtered at 250 Hz"
-    print(f"loop at rest, {drive}: {worst if worst.stable else 'an error grows'}")
+    drive = "drive a sample late, speed filtered at 250 Hz"
+    print(f"margins of the loop at rest, worst of {len(poses)} postures, {drive}:")
+    print(f"  {worst if worst.stable else 'an error grows'}")
     if not worst.stable:
         print(
             "irb2400: an error of this loop grows, no faster than weight makes it that is balanced "

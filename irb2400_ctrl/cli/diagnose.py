@@ -196,4 +196,5 @@ def _close_loop(result: Diagnosis, log: Log, controller: str, page: Page, out: P
     loop = close_loop(result.given, result.robot, recorded_motion(log), controller=controller)
     write_json(out / "closed_loop.json", loop.summary())
     add_closed_loop(page, result, loop)
-    return closed_loop_lines(loop)
+    head = f"closed loop: {controller} along the log's motion, on an arm that has what was found"
+    return [head, *(f"  {line}" for line in closed_loop_lines(loop))]

@@ -100,8 +100,9 @@ def lines(check: LogCheck) -> list[str]:
     found = [
         f"{check.name}: {counted(f.joints, 'joint')}, {f.samples} samples, {f.duration:.2f} s at "
         f"{f.rate:.5g} Hz; columns {_some(f.channels)}",
-        f"jitter {1e3 * round(base.scatter, 9):.3g} ms rms, {100 * base.lost:.3g} % lost, "
-        f"{f.gaps} gaps, the longest {f.longest_gap:.3g} s{stamps}",
+        f"jitter {1e3 * round(base.scatter, 9):.3g} ms rms, {100 * base.lost:.3g} % of the samples "
+        f"lost; {counted(f.gaps, 'gap')}, longest time between samples {f.longest_gap:.3g} s"
+        f"{stamps}",
         f"{'joint':<36}" + " ".join(f"{j + 1:>8}" for j in range(f.joints)),
     ]
     table = f.to_json() | check.to_json()
@@ -111,9 +112,9 @@ def lines(check: LogCheck) -> list[str]:
         ("digit of the angle [deg]", "angle_digit_deg"),
         ("digit of the torque [Nm]", "torque_digit_Nm"),
         ("noise of the torque [Nm]", "torque_noise_Nm"),
-        ("made of it by noise of angles [Nm]", "torque_from_angle_noise_Nm"),
+        ("of it from noise of the angles [Nm]", "torque_from_angle_noise_Nm"),
         ("lag behind the command [ms]", "lag_ms"),
-        ("left below 4 Hz, numbers fitted [%]", "left_of_torque_percent"),
+        ("fitted model leaves below 4 Hz [%]", "left_of_torque_percent"),
     ):
         values = table[key]
         if values is not None:
@@ -143,4 +144,6 @@ def _short(value: float | None) -> str:
     """A number of the table; a share of a torque that is nothing is beyond it."""
     if value is None:
         return "-"
-    return f"{value:.3g}" if value < MOST_SAID else f"> {MOST_SAID:.0e}"
+    if value >= MOST_SAID:
+        return f"> {MOST_SAID:.0e}"
+    return f"{value:.0f}" if value >= 1e3 else f"{value:.3g}"

@@ -187,7 +187,8 @@ def _looks_wrong(arm: Robot, source: str) -> list[str]:
     published = plausibility(load_robot(source)) if source in robot_names() else []
     notes = [note for note in plausibility(arm) if note not in published]
     if len(notes) > _NOTES:
-        more = f"and {len(notes) - _NOTES} more that look wrong (irb2400 robot check)"
+        left = len(notes) - _NOTES
+        more = f"and {left} more that look{'s' * (left == 1)} wrong (irb2400 robot check)"
         notes = [*notes[:_NOTES], more]
     return notes
 

@@ -46,27 +46,26 @@ def show(robot: RobotArgument = "irb2400") -> Summary:
     print(f"{arm.name}: {holds}. Source: {arm.source}")
     wide = max(10, *(len(joint.name) for joint in arm.joints))
     print(
-        f"{'joint':<{wide}}   range deg      speed deg/s  torque Nm  Fs Nm  Fc Nm  Fv Nms/rad  "
-        "wst rad/s"
+        f"{'joint':<{wide}}   range [deg]    speed [deg/s]  torque [Nm]  static [Nm]  "
+        "Coulomb [Nm]  viscous [Nm s/rad]  Stribeck [rad/s]"
     )
     for joint in arm.joints:
         low, high = joint.limits.range_deg
         f = joint.friction
         print(
             f"{joint.name:<{wide}} {low:>6.0f} … {high:<6.0f} "
-            f"{_cell(joint.limits.speed_deg_s, 10, 0)} {_cell(joint.limits.torque_Nm, 10, 0)} "
-            f"{_cell(f.static_Nm, 6, 1)} {_cell(f.coulomb_Nm, 6, 1)} "
-            f"{_cell(f.viscous_Nms_rad, 11, 2)} "
-            f"{_cell(f.stribeck_rad_s, 10, 4)}"
+            f"{_cell(joint.limits.speed_deg_s, 14, 0)}  {_cell(joint.limits.torque_Nm, 11, 0)}  "
+            f"{_cell(f.static_Nm, 11, 1)}  {_cell(f.coulomb_Nm, 12, 1)}  "
+            f"{_cell(f.viscous_Nms_rad, 18, 2)}  {_cell(f.stribeck_rad_s, 16, 4)}"
         )
     bodies = [(link.name, link.body) for link in arm.links]
     if arm.tool is not None:
         bodies.append((f"tool ({arm.tool.name})", arm.tool.body))
     wide = max(24, *(len(name) for name, _ in bodies))
-    print(f"{'link':<{wide}} mass kg   centre of mass mm")
+    print(f"{'link':<{wide}} mass [kg] centre of mass [mm]")
     for name, body in bodies:
         com = ", ".join(f"{1e3 * c:.1f}" for c in body.com_m)
-        print(f"{name:<{wide}} {body.mass_kg:>7.2f}   {com}")
+        print(f"{name:<{wide}} {body.mass_kg:>9.2f} {com}")
     if arm.tool is not None:
         x, y, z = 1e3 * np.array(arm.X_FT[:3, 3])
         print(f"TCP in the flange frame: {x:.0f}, {y:.0f}, {z:.0f} mm")
@@ -180,15 +179,15 @@ def _print_bodies(arm: Robot) -> dict[str, Any]:
     bodies = consistency.report(arm)
     wide = max([18, *(len(body.name) for body in bodies)])
     print(
-        f"{'body':<{wide}} principal moments kg m2          triangle slack  smallest of "
-        "pseudo-inertia"
+        f"{'body':<{wide}} {'principal moments [kg m2]':<29}  triangle slack [kg m2]  "
+        "pseudo-inertia, least [kg m2]"
     )
     for body in bodies:
         moments = " ".join(f"{value:9.5f}" for value in body.principal_moments)
         verdict = "" if body.consistent else "  impossible"
         print(
-            f"{body.name:<{wide}} {moments}  {body.triangle_slack:13.5f}  "
-            f"{body.pseudo_inertia:13.5f}{verdict}"
+            f"{body.name:<{wide}} {moments}  {body.triangle_slack:22.5f}  "
+            f"{body.pseudo_inertia:29.5f}{verdict}"
         )
     issues = consistency.check(arm)
     notes = [*plausibility(arm), *arm.assumptions()]
@@ -261,6 +260,7 @@ def _cell(value: float | None, width: int, digits: int) -> str:
 def _print_torque_differences(arm: Robot, other: Robot) -> None:
     from irb2400_ctrl.model.standard_motions import torque_differences
 
-    print("torque difference on the standard motions, largest per joint [Nm]")
+    head = "torque difference to the file as given, largest on standard motions [Nm]"
+    print(f"{head}\n{'joint':<24}" + " ".join(f"{j:>8}" for j in range(1, 1 + arm.n)))
     for found in torque_differences(arm, other):
         print(f"{found.motion:<24}" + " ".join(f"{value:8.3f}" for value in found.largest))

@@ -31,7 +31,7 @@ def import_(
     ] = False,
     coupling: Annotated[
         list[str] | None,
-        typer.Option(metavar="I,J,FACTOR", help="theta_I = q_I + FACTOR q_J; may be repeated."),
+        typer.Option(metavar="I,J,FACTOR", help="theta_I = q_I + FACTOR q_J; may be given again."),
     ] = None,
     payload_kg: Annotated[float | None, typer.Option(help="Load on the flange.", min=0.0)] = None,
     payload_com_mm: Annotated[
@@ -43,7 +43,7 @@ def import_(
     meshes: Annotated[
         list[Path] | None,
         typer.Option(
-            metavar="FOLDER", help="Where meshes and package:// paths are; may be repeated."
+            metavar="FOLDER", help="Where meshes and package:// paths are; may be given again."
         ),
     ] = None,
     outline: Annotated[

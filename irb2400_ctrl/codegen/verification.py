@@ -129,11 +129,14 @@ class Verification:
                 self.max_difference.items(), key=lambda item: item[1], default=("nothing", 0.0)
             )
             unit = self.units.get(where, "")
+            state = where.removesuffix(" (next)")
+            where = where if state == where else f"the state {state} after the step"
             rows.append(("states checked", f"{self.states}"))
             rows.append(
                 (
                     "largest difference",
-                    f"{worst:.3g} {unit} in {where}; relative {self.max_relative_difference:.2g}",
+                    f"{worst:.3g} {unit} in {where}, to the block in double; "
+                    f"relative {self.max_relative_difference:.2g}",
                 )
             )
             rows.append(

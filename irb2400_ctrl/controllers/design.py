@@ -215,9 +215,10 @@ class WorstCase:
     def __str__(self) -> str:
         state = "stable" if self.stable else "UNSTABLE"
         return (
-            f"{state}, coupled peak {self.coupled_peak:.2f}, Ms {self.sensitivity:.2f}, "
-            f"phase {np.degrees(self.phase):.0f} deg, gain x{self.gain_down:.2f} .. "
-            f"x{self.gain_up:.1f}, delay {1e3 * self.delay:.1f} ms"
+            f"{state}; phase {np.degrees(self.phase):.0f} deg, "
+            f"gain {self.gain_down:.2f} to {self.gain_up:.1f} times, "
+            f"further delay {1e3 * self.delay:.1f} ms; "
+            f"sensitivity peak: coupled {self.coupled_peak:.2f}, of a joint {self.sensitivity:.2f}"
         )
 
 

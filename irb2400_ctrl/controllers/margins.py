@@ -34,7 +34,7 @@ class Margins:
 
     def __str__(self) -> str:
         return (
-            f"gain x{self.gain_down:.2f} .. x{self.gain_up:.2f}, phase "
+            f"gain {self.gain_down:.2f} to {self.gain_up:.2f} times, phase "
             f"{np.degrees(self.phase):.0f} deg, "
             f"delay {1e3 * self.delay:.1f} ms, crossover {self.crossover:.0f} rad/s, Ms "
             f"{self.sensitivity:.2f}"

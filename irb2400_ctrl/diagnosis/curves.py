@@ -12,7 +12,7 @@ UNITS = {"q": "rad", "qd": "rad/s", "qdd": "rad/s2", "load": "Nm", "time": "s"}
 FEWEST = 3
 """samples that make a bin"""
 BINS = 40
-"""of a curve, at most"""
+"""of a curve, at most; of few samples so many that twice the fewest come to a bin"""
 
 
 def binned_curve(
@@ -49,9 +49,10 @@ def binned_curve(
     x = _abscissa(motion, load, joint, signal, period)[rows]
     line = law[rows]
     seen = (law + residual)[rows]
-    edges = np.linspace(x.min(), x.max() + 1e-12, BINS + 1) if len(x) else np.zeros(1)
-    place = np.clip(np.digitize(x, edges) - 1, 0, BINS - 1)
-    inside = [place == k for k in range(BINS)]
+    bins = int(np.clip(len(x) // (2 * FEWEST), 1, BINS))
+    edges = np.linspace(x.min(), x.max() + 1e-12, bins + 1) if len(x) else np.zeros(1)
+    place = np.clip(np.digitize(x, edges) - 1, 0, bins - 1)
+    inside = [place == k for k in range(bins)]
     used = [bin_ for bin_ in inside if bin_.sum() >= FEWEST]
     middle = np.array([x[bin_].mean() for bin_ in used])
     mean = np.array([seen[bin_].mean() for bin_ in used])

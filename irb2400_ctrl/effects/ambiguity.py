@@ -69,7 +69,7 @@ COUPLING = Ambiguity(
 )
 DELAY = Ambiguity(
     "delay",
-    splits="excitation above 1/(2 pi tau)",
+    splits="excitation above 1/(2 pi delay)",
     measure_else="record position and torque of one tap on the arm, on one clock",
     passing=("viscous_change", "rotor_inertia"),
     motions=("fast", "chirp", "lively"),

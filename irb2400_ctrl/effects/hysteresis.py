@@ -40,7 +40,7 @@ class Hysteresis(Effect):
     amplitude_Nm: float = Field(ge=0, description="half height of the loop A [Nm]")
     width_rad: float = Field(gt=0, description="angle over which the loop builds up [rad]")
     replaced_Nm: float = Field(
-        default=0.0, description="dry friction of the joint that the loop takes the place of R [Nm]"
+        default=0.0, description="dry friction R of the joint that the loop takes the place of [Nm]"
     )
 
     def basis(self, s: Signals) -> ca.SX:

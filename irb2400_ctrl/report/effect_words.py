@@ -27,17 +27,17 @@ CHAIN = {
     "clock": "the clock of the reading",
 }
 SEARCH = {
-    "between_grid": "its grid is refined between neighbouring points",
+    "between_grid": "a diagnosis tries it on a grid of numbers, and finer between the best of them",
     "repeats": "one joint may have several",
     "on_every_joint": "all joints at once are tried too",
     "comes_and_goes": "it may come and go within a record",
     "usual": "every robot has it and most files leave it out",
-    "shows_moving": "it must show away from reversals too",
+    "shows_moving": "a diagnosis names it only where it shows away from reversals too",
     "nothing_at_turns": "told from a constant torque by the turns of the joint, where it passes "
     "through nothing",
-    "turns_over_in": "only where it is wider than what contacts hold over, measured at "
-    "the turns of all joints",
-    "beside": "only beside the kind without which no arm has it",
+    "turns_over_in": "a diagnosis names it only where it is wider than what contacts hold over, "
+    "measured at the turns of all joints",
+    "beside": "a diagnosis names it only beside the kind without which no arm has it",
     "rattles": "at the wrist also told by what the neighbours feel as the load changes sides",
 }
 """words for what an effect may say in its `search`"""
@@ -55,7 +55,7 @@ def explain(kind: str) -> dict[str, Any]:
     return {
         "kind": _kind(effect),
         "sentence": effect.sentence,
-        "law": inspect.cleandoc(effect.__doc__ or ""),
+        "law": inspect.cleandoc(effect.__doc__ or "").replace("`", ""),
         "acts": effect.acts,
         "acts_where": _where(effect),
         "on": "the whole arm" if effect.whole_arm else "one joint",
@@ -192,7 +192,7 @@ def lines(found: dict[str, Any], robot: str | None = None) -> list[str]:
     text.append("parameters:")
     for one in found["parameters"]:
         unit = f" [{one['unit']}]" if one["unit"] else ""
-        usual = "" if one["usual"] is None else f"; for example {one['usual']}"
+        usual = "" if one["usual"] is None else f"; for example {as_in_a_file(one['usual'])}"
         text += _wrapped(f"{one['name']}{unit}: {one['meaning']}{usual}", "  ")
     text.append(f"look-alikes (ambiguity group {found['group']}):")
     for one in found["look_alikes"]:
@@ -208,6 +208,11 @@ def lines(found: dict[str, Any], robot: str | None = None) -> list[str]:
     if found["in_diagnosis"]:
         text += _wrapped(f"a motion that separates them: {excite_line(found['kind'], robot)}", "")
     return [*text, *(f"note: {words}" for words in found["remarks"])]
+
+
+def as_in_a_file(value: Any) -> str:
+    """A value of a parameter as a robot file writes it."""
+    return str(value).lower() if isinstance(value, bool) else str(value)
 
 
 def _wrapped(text: str, indent: str) -> list[str]:

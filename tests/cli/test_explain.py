@@ -50,12 +50,17 @@ class LooseHose(Effect):
 KINDS = [kind for kind, effect in LIBRARY.items() if registry.users_files([effect]) == []]
 
 
+def test_yes_and_no_are_written_as_in_a_robot_file() -> None:
+    """`False` is no TOML."""
+    assert "for example false" in " ".join(lines(explain("time_delay")))
+
+
 @pytest.mark.parametrize("kind", KINDS)
 def test_every_kind_explains_itself(kind: str) -> None:
     effect = LIBRARY[kind]
     found = explain(kind)
     assert found["sentence"] == effect.sentence
-    assert found["law"].splitlines()[0] in " ".join((effect.__doc__ or "").split("\n"))
+    assert found["law"].splitlines()[0] in (effect.__doc__ or "").replace("`", "")
     own = {name for name in effect.model_fields if name not in COMMON}
     assert {one["name"] for one in found["parameters"]} == own
     text = " ".join(" ".join(lines(found)).split())

@@ -30,6 +30,14 @@ def part(seconds: float) -> Log:
     return Log(log.time[keep], log.q[keep], log.tau[keep])
 
 
+@pytest.mark.parametrize(
+    ("value", "told"), [(2205.3, "2205"), (0.0132, "0.0132"), (2e4, "> 1e+04"), (None, "-")]
+)
+def test_torques_of_a_heavy_arm_are_plain_numbers(value: float | None, told: str) -> None:
+    """2.21e+03 stood beside 916."""
+    assert import_module("irb2400_ctrl.cli.log")._short(value) == told
+
+
 def test_a_sound_log_exits_0(tmp_path: Path) -> None:
     done = run("log", "check", LOG)
     assert done.returncode == 0, done.stderr

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 
 import pytest
@@ -84,3 +85,28 @@ def test_published_numbers_are_not_told_each_time(capsys: pytest.CaptureFixture[
     finally:
         settings.reset(asked)
     assert capsys.readouterr().err.count("\n") == 1
+
+
+def test_how_far_an_axis_is_out_is_the_difference_of_the_numbers_told(tmp_path: Path) -> None:
+    """98.2 deg was 33.4 deg beyond a range that ended at 65 deg."""
+    (tmp_path / "near.csv").write_text("x_mm,y_mm,z_mm,i,j,k\n0,0,0,0,0,1\n50,0,0,0,0,1\n")
+    done = irb2400("plan", "near.csv", "--out", "out", cwd=tmp_path)
+    assert done.returncode == 2
+    assert "irb2400 place looks for one" in done.stderr
+    numbers = [float(one) for one in re.findall(r"-?[0-9]+[.][0-9]", done.stderr)]
+    assert numbers[0] - numbers[3] == pytest.approx(numbers[1], abs=0.11)
+
+
+def test_one_more_that_looks_wrong_is_one(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    robot = load_robot("ur10e")
+    wide = tuple(
+        j.model_copy(
+            update={"limits": j.limits.model_copy(update={"range_deg": (-10313.2, 10313.2)})}
+        )
+        for j in robot.joints[:4]
+    )
+    save_robot(robot.model_copy(update={"joints": (*wide, *robot.joints[4:])}), tmp_path / "a.toml")
+    load_arm(str(tmp_path / "a.toml"))
+    assert "and 1 more that looks wrong (irb2400 robot check)" in capsys.readouterr().err

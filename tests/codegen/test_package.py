@@ -126,7 +126,8 @@ def test_export_verifies_on_this_computer(
     assert verification.units.keys() == verification.max_difference.keys()
     for name in verification.units:
         one = dataclasses.replace(verification, max_difference={name: 2e-9})
-        assert f"2e-09 {one.units[name]} in {name}; relative" in one.table()
+        place = re.sub(r"(.*) \(next\)", r"the state \1 after the step", name)
+        assert f"2e-09 {one.units[name]} in {place}, to the block in double;" in one.table()
     written = (tmp_path / "deep" / "out" / "verification.json").read_text()
     assert written == verification.to_json()
     assert str(tmp_path) not in written

@@ -139,7 +139,7 @@ def test_the_command_says_margins_and_refuses_what_swings_up(seven: Robot, tmp_p
     done = irb2400(*asked, "--out", tmp_path / "c")
     assert done.returncode == 0
     assert "10 postures, drive a sample late" in done.stdout
-    assert "stable, coupled peak" in done.stdout
+    assert "stable; phase" in done.stdout
     wishes = [f"--design={name}={value}" for name, value in FIXED.items()]
     refused = irb2400(*asked, *wishes, "--out", tmp_path / "d")
     assert refused.returncode == 2

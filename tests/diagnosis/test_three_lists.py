@@ -78,12 +78,12 @@ def test_all_numbers_of_an_effect_are_told() -> None:
     text = "\n".join(list_lines(diagnosis(one, *ripples)))
     assert "balancer on joint 2: neutral_rad 0.310 ± 0.020 (10.0 % of the torque" in text
     assert (
-        "    with torque_Nm 12.0 ± 9.0, lever_ratio 0.400 (not shown by this log), "
+        "    its other numbers: torque_Nm 12.0 ± 9.0, lever_ratio 0.400 (not shown by this log), "
         "free_ratio 0.450, gas_exponent 0"
     ) in text
-    assert text.index("    joint 1: with ") < text.index("    joint 3: with ")
+    assert text.index("other numbers of joint 1: ") < text.index("other numbers of joint 3: ")
     single = list_lines(diagnosis(finding("viscous_change", 1, 0.1)))
-    assert not any("with " in line for line in single)
+    assert not any("other numbers" in line for line in single)
 
 
 def test_sizes_come_in_the_order_of_the_joints_and_say_since_when() -> None:

@@ -93,3 +93,11 @@ def test_margins_are_a_table_with_units() -> None:
     assert lines[0][-3:] == ["start", "found", "comfortable"]
     assert lines[1][-4:] == ["[mm]", "-", "340", "100"]
     assert lines[3][-4:] == ["[-]", "-", "0.961", "0.3"]
+
+
+def test_a_clearance_is_told_as_far_as_it_was_measured() -> None:
+    """20 mm at the points of a path and 29.9 mm also between them cannot both be the least."""
+    seen = {"margins": {"clearance_mm": 20.0}, "continuous": {"margins": {"clearance_mm": 29.9}}}
+    lines = margin_lines({"margins": {"clearance_mm": 12.34}}, seen)
+    assert lines[1].split()[-5:] == ["12.3", "20", "or", "more", "20"]
+    assert lines[3].split()[-3:] == ["-", "29.9", "20"]

@@ -12,28 +12,34 @@ def margin_lines(start: dict[str, Any], found: dict[str, Any]) -> list[str]:
         start, found: as in placement.json; a refused place has no margins.
     """
     from irb2400_ctrl.planners.redundancy.comfort import comfortable
-    from irb2400_ctrl.report.figures.placement_figure import NAMES
+    from irb2400_ctrl.report.figures.placement_figure import NAMES, at_points
 
     def row(name: str, *cells: str) -> str:
         return f"{name:<44}" + "".join(f"{cell:>12}" for cell in cells)
 
-    def rows(before: dict[str, float], now: dict[str, float]) -> list[str]:
+    def rows(before: dict[str, Any], now: dict[str, Any]) -> list[str]:
         return [
             row(f"  {NAMES[key]}", _shown(before.get(key)), _shown(value), f"{comfortable(key):g}")
             for key, value in now.items()
         ]
 
+    first, now = (
+        {name: at_points(name, value) for name, value in place["margins"].items()}
+        for place in (start, found)
+    )
     lines = [
         row("smallest margins", "start", "found", "comfortable"),
-        *rows(start["margins"], found["margins"]),
+        *rows(first, now),
     ]
     followed = found.get("continuous") or {"margins": {}}
     if followed["margins"]:
-        lines.append("also between the points looked at:")
+        lines.append("of the joint path, also between the points looked at:")
         before = (start.get("continuous") or {"margins": {}})["margins"]
         lines += rows(before, followed["margins"])
     return lines
 
 
-def _shown(value: float | None) -> str:
+def _shown(value: float | str | None) -> str:
+    if isinstance(value, str):
+        return value
     return "-" if value is None else f"{value:.3g}"

@@ -258,7 +258,7 @@ def _print(facts: dict[str, Any]) -> None:
         print(f"{name}: --work-frame={frame}{soft}")
         wrong = seen["refused"] or seen["continuous"]["refused"]
         if wrong:
-            print(f"   {wrong}")
+            print(f"  cannot be done there: {wrong}")
     for line in margin_lines(facts["start"], facts["found"]):
         print(line)
     print(f"{facts['looked_at']} places looked at")

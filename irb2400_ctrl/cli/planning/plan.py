@@ -322,8 +322,8 @@ def _print_summary(planned: Plan, tolerance: float) -> None:
     print_deviation(s, tolerance)
     margin = s["singularity_margin"]
     print(
-        f"smallest margins: wrist {margin['wrist']:.3f}, shoulder {margin['shoulder']:.3f} m, "
-        f"elbow {margin['elbow']:.3f} m"
+        f"smallest singularity margins: wrist {margin['wrist']:.3f}, "
+        f"shoulder {margin['shoulder']:.3f} m, elbow {margin['elbow']:.3f} m"
     )
     print_clearance(s["clearance_mm"])
     if planned.deflection is not None:

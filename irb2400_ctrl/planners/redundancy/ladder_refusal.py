@@ -73,13 +73,13 @@ def _no_configuration(ladder: Ladder, i: int, point: int) -> UnreachableError:
     # axes 4 and 6 fit somewhere within whole turns; the others decide unless only they are outside
     best = int(np.nanargmin(excess.max(axis=1)))
     axis = int(np.argmax(excess[best]))
-    ends = np.degrees([robot.q_min[axis], robot.q_max[axis]])
+    ends = np.degrees([low[axis], high[axis]])
+    kept = f"its range less {np.degrees(ladder.inset):.1g} deg at each end"
     return UnreachableError(
         f"point {point} is out of the joint box: axis {axis + 1} would need "
         f"{np.degrees(q[best, axis]):.1f} deg, {np.degrees(excess[best, axis]):.1f} deg "
-        "beyond its range "
-        f"{ends[0]:.0f} to {ends[1]:.0f} deg{_whichever(ladder)}; move the work frame or "
-        + (FREE if len(ladder.rotation) == 1 else TOOL)
+        f"beyond {ends[0]:.1f} to {ends[1]:.1f} deg ({kept}){_whichever(ladder)}; move the work "
+        "frame (irb2400 place looks for one) or " + (FREE if len(ladder.rotation) == 1 else TOOL)
     )
 
 

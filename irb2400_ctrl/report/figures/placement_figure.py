@@ -94,6 +94,15 @@ def margin_figure(start: Outlook, found: Outlook) -> Figure:
     return figure
 
 
+def at_points(margin: str, value: float | None) -> float | str:
+    """A margin at points along the path for a table; the clearance is measured there up to the
+    comfortable one only."""
+    if value is None:
+        return "-"
+    most = margin == "clearance_mm" and value >= COMFORTABLE_MARGINS[margin]
+    return f"{value:.3g} or more" if most else value
+
+
 def rail_figure(found: RailPosition) -> Figure:
     """The worst margin over the place of the carriage."""
     figure, axes = small(legend=True)

@@ -38,6 +38,7 @@ from irb2400_ctrl.report.pages.three_lists import (
     numbers_of,
 )
 from irb2400_ctrl.typed import typed
+from irb2400_ctrl.wording import up_to
 
 VERDICTS = {
     "explained": "The log shows something the model lacks, and it has a name.",
@@ -251,7 +252,7 @@ def _add_lists(page: Page, diagnosis: Diagnosis) -> None:
                 f"{entry.confidence} sure."
             )
             for line in body_lines(entry):
-                page.text(f"With the {line}.")
+                page.text(f"{capital(line)}.")
             if entry.lookalikes and entry.splits:
                 page.text(f"It could also be {entry.could_be}. To tell them apart: {entry.splits}.")
         for line in number_lines(numbers):
@@ -307,7 +308,7 @@ def lines(diagnosis: Diagnosis) -> list[str]:
         used = sum(log.used for log in diagnosis.logs)
         found.append(f"{used} logs together; {len(diagnosis.logs) - used} only judged")
     compared = diagnosis.validation or diagnosis.identification
-    joints = f"joints 1 to {diagnosis.given.n}" if diagnosis.given.n > 1 else "joint 1"
+    joints = up_to("joint", diagnosis.given.n)
     found.append(f"RMSE on {Path(compared.name).name} [Nm], {joints}:")
     told = {
         "before": compared.error_before.rmse,

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from irb2400_ctrl.report.effect_words import excite_line
+from irb2400_ctrl.report.effect_words import as_in_a_file, excite_line
 from irb2400_ctrl.report.elements.page import Page, sentence
 from irb2400_ctrl.report.figures.effect_figure import effect_figure
 
@@ -39,7 +39,7 @@ def effect_page(found: Mapping[str, Any], robot: str | None = None) -> Page:
                 p["name"],
                 p["unit"] or "",
                 p["meaning"],
-                "" if p["usual"] is None else str(p["usual"]),
+                "" if p["usual"] is None else as_in_a_file(p["usual"]),
             ]
             for p in found["parameters"]
         ]

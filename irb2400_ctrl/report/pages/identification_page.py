@@ -33,6 +33,7 @@ from irb2400_ctrl.report.figures.residual_figures import (
 from irb2400_ctrl.report.figures.residual_view import residual_view
 from irb2400_ctrl.report.pages.diagnosis_tables import UNITS
 from irb2400_ctrl.typed import typed
+from irb2400_ctrl.wording import up_to
 
 MODELS = {
     "before": "file as given",
@@ -230,8 +231,9 @@ def _add_motion(page: Page, result: Identification, log: Log) -> None:
 def lines(result: Identification) -> list[str]:
     """The same in a few lines for a terminal."""
     found = [*result.of_bodies, *result.notes]
+    joints = up_to("joint", result.given.n)
     for log in result.logs:
-        found.append(f"RMSE over mean torque on {log.name} ({log.role}) [%]:")
+        found.append(f"RMSE over mean torque on {log.name} ({log.role}) [%], {joints}:")
         for which, name in MODELS.items():
             values = log.error(which).rmse_over_mean_percent
             found.append(f"  {name:<21}" + " ".join(_share(v) for v in values))
@@ -271,7 +273,7 @@ def moved_rows(result: Identification) -> tuple[list[str], list[list[object]]]:
 
 
 def drive_rows(result: Identification) -> tuple[list[str], list[list[object]]]:
-    """Head and rows: a kind of number a row, a joint a column."""
+    """Head and rows: a joint a row, a kind of number a column."""
     layout = result.layout
     found: dict[str, dict[int, object]] = {}
     for term in DRIVE_TERMS:
@@ -285,15 +287,12 @@ def drive_rows(result: Identification) -> tuple[list[str], list[list[object]]]:
             row[extra.joint] = with_error(float(value), float(error))
         if extra.kind == "reading":  # of the two the difference alone is known
             found["rotor"][extra.joint] = "not told"
-    joints = range(1, 1 + result.given.n)
-    rows = [
-        [
-            EXTRAS.get(kind, f"{kind} [{UNITS.get(kind, 'SI')}]"),
-            *(values.get(j, "") for j in joints),
-        ]
-        for kind, values in found.items()
+    rows: list[list[object]] = [
+        [str(j), *(values.get(j, "-") for values in found.values())]
+        for j in range(1, 1 + result.given.n)
     ]
-    return ["number", *(f"joint {j}" for j in joints)], rows
+    named = [EXTRAS.get(kind, f"{kind} [{UNITS.get(kind, 'SI')}]") for kind in found]
+    return ["joint", *named], rows
 
 
 def verdict_rows(result: Identification) -> tuple[list[str], list[list[object]]]:

@@ -143,8 +143,8 @@ def table(job: MainJob) -> str:
     found = [
         f"plan      {s['points']} points in {s['duration_s']:.2f} s, torque at most {torque:.1f} % "
         "of its limit" + (", at every instant" if s["guaranteed"] else ""),
-        f"          margins: wrist {margin['wrist']:.3f}, shoulder {margin['shoulder']:.3f} m, "
-        f"elbow {margin['elbow']:.3f} m",
+        f"          singularity margins: wrist {margin['wrist']:.3f}, "
+        f"shoulder {margin['shoulder']:.3f} m, elbow {margin['elbow']:.3f} m",
     ]
     for name, v in job.packages.items():
         found.append(f"C         {name}: {_compared(v)}")

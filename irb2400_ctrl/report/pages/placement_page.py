@@ -14,6 +14,7 @@ from irb2400_ctrl.report.elements.arm_view import ArmView
 from irb2400_ctrl.report.elements.page import Page
 from irb2400_ctrl.report.figures.placement_figure import (
     NAMES,
+    at_points,
     map_figure,
     margin_figure,
     rail_figure,
@@ -139,7 +140,12 @@ def _add_place(
     )
     names = [name for name in COMFORTABLE_MARGINS if name in found.margins]
     rows: list[list[object]] = [
-        [NAMES[k], start.margins.get(k, "-"), found.margins[k], float(COMFORTABLE_MARGINS[k])]
+        [
+            NAMES[k],
+            at_points(k, start.margins.get(k)),
+            at_points(k, found.margins[k]),
+            float(COMFORTABLE_MARGINS[k]),
+        ]
         for k in names
     ]
     page.table(
@@ -151,7 +157,7 @@ def _add_place(
         [NAMES[k], float(v), comfortable(k)] for k, v in proof.margins.items()
     ]
     page.table(
-        "At the found place, also between those points",
+        "The joint path at the found place, also between those points",
         ["margin", "at least", "comfortable"],
         followed,
     )

@@ -68,7 +68,7 @@ class Entry:
     def where(self) -> str:
         """`joint 4`, `joints 1, 3 and 4`, or the whole arm."""
         joints = sorted({f.effect.joint for f in self.findings if f.effect.joint is not None})
-        return "whole arm" if not joints else numbered("joint", joints)
+        return "the whole arm" if not joints else numbered("joint", joints)
 
     @property
     def sentence(self) -> str:
@@ -239,8 +239,8 @@ def further_numbers(entry: Entry) -> list[str]:
         name = _first(finding)
         told = "" if name is None else numbers_beside(finding, name)
         if told:
-            place = f"joint {finding.effect.joint}: " if len(entry.findings) > 1 else ""
-            found.append(f"{place}with {told}")
+            place = f" of joint {finding.effect.joint}" if len(entry.findings) > 1 else ""
+            found.append(f"its other numbers{place}: {told}")
     return found
 
 
@@ -251,8 +251,8 @@ def body_lines(entry: Entry) -> list[str]:
         if finding.body is None:
             continue
         for name, body in (
-            ("arm's bodies uncertain", finding.body.robust),
-            ("arm's bodies taken as true", finding.body.given_bodies),
+            ("with the arm's bodies uncertain", finding.body.robust),
+            ("with the arm's bodies taken as true", finding.body.given_bodies),
         ):
             mass = with_error(body.mass, body.errors[0])
             centre = ", ".join(

@@ -1,0 +1,30 @@
+"""The curve of a finding where a log has few rows."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from irb2400_ctrl.diagnosis.curves import BINS, FEWEST, binned_curve
+
+
+def motion(rows: int) -> Any:
+    """A log of one joint, a row every quarter second, all of them known."""
+    still = np.zeros((rows, 1))
+    return SimpleNamespace(
+        row_time=0.25 * np.arange(rows), row_known=still == 0.0, q=still, qd=still, qdd=still
+    )
+
+
+@pytest.mark.parametrize("rows", [4, 20, 56, 118, 1000])
+def test_few_rows_are_drawn_in_fewer_bins(rows: int) -> None:
+    """A bin of fewer than three samples shows nothing: torques that were low-passed before they
+    were written have some fifty rows, of which forty bins left an empty figure."""
+    law = np.full(rows, 0.9)
+    curve = binned_curve(motion(rows), np.zeros((rows, 1)), 0, "time", law, np.zeros(rows))
+    assert len(curve.x) == np.clip(rows // (2 * FEWEST), 1, BINS)
+    np.testing.assert_allclose(curve.measured, 0.9)
+    np.testing.assert_allclose(curve.law, 0.9)
