@@ -4,6 +4,7 @@ twice are not taken for them."""
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -105,7 +106,7 @@ def test_an_arm_that_comes_to_rest_repeats_no_rows() -> None:
     rng = np.random.default_rng(8)
     poses = rng.uniform(-1.0, 1.0, (16, 4))
     parts = []
-    for a, b in zip(poses[:-1], poses[1:], strict=True):
+    for a, b in pairwise(poses):
         s = np.linspace(0.0, 1.0, int(rng.uniform(800, 2000)))
         blend = (10 * s**3 - 15 * s**4 + 6 * s**5)[:, None]
         parts.append(np.vstack([a + blend * (b - a), np.tile(b, (150, 1))]))
