@@ -71,7 +71,8 @@ def test_of_a_reading_the_report_says_what_logs_tell() -> None:
         standard_errors=np.sqrt(np.diag(covariance)),
         given=SimpleNamespace(n=2),
     )
-    rows = {str(row[0]): row[1:] for row in drive_rows(result)[1]}
+    head, joints = drive_rows(result)
+    rows = dict(zip(head, zip(*joints, strict=True), strict=True))
     assert str(rows["not read, beyond the rotor [kg m2]"][1]).startswith("0.400 ± 0.02")
     assert rows["rotor [kg m2]"][1] == "not told"
     assert str(rows["loss over the torque carried [Nm/Nm]"][0]).startswith("0.046")
