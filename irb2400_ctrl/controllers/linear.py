@@ -16,16 +16,11 @@ from irb2400_ctrl.codegen import Block, Field, compile_block, compile_function
 from irb2400_ctrl.controllers.margins import Margins, frequencies, margins
 from irb2400_ctrl.controllers.scaling import typical_inertia
 from irb2400_ctrl.controllers.timing import Timing
+from irb2400_ctrl.effects.transmission import wound_torque
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.given import finite
 from irb2400_ctrl.model import Model
-from irb2400_ctrl.model.elasticity import (
-    elastic_data,
-    elastic_joints,
-    links_only,
-    twist,
-    wound_torque,
-)
+from irb2400_ctrl.model.elasticity import elastic_data, elastic_joints, links_only, twist
 from irb2400_ctrl.model.friction import FrictionLaw
 from irb2400_ctrl.robot import Robot
 

@@ -17,7 +17,7 @@ from irb2400_ctrl.effects.link_lag import lag_torque
 from irb2400_ctrl.effects.prior import Prior
 from irb2400_ctrl.effects.search import Search
 from irb2400_ctrl.effects.signals import Signals
-from irb2400_ctrl.effects.transmission import STRAIGHT, Transmission
+from irb2400_ctrl.effects.transmission import Transmission, wound
 
 DAMPED = 0.9
 """damping ratio without a resonance"""
@@ -64,7 +64,6 @@ class ElasticJoint(Effect):
         loose=("damping_ratio", "stiffening_per_rad"),
         # steel and bearings swing on for some periods; what dies at once is no spring's doing
         largest={"damping_ratio": 0.35},
-        absent=("stiffening_per_rad",),
         # the swing of a real transmission, with play and a motor of its own, is followed roughly
         discrepancy_share=0.5,
     )
@@ -108,18 +107,15 @@ class ElasticJoint(Effect):
 
     def _acceleration(self, s: Signals, x: ca.SX, rate: ca.SX, damping: float) -> ca.SX:
         """d2 x / dt2 [Nm/s2]."""
-        squared = self.stiffness_Nm_rad / s.mass_matrix[self.index, self.index]
-        stiffer = ca.sqrt(1 + self._bent(s) ** 2)
-        return squared * stiffer * (self._wound(s) - x) - 2 * damping * ca.sqrt(squared) * rate
+        k = self.stiffness_Nm_rad
+        squared = k / s.mass_matrix[self.index, self.index]
+        twist = self._twist(s)
+        stiffer = ca.cosh(self.stiffening_per_rad * twist)
+        return squared * stiffer * (k * twist - x) - 2 * damping * ca.sqrt(squared) * rate
 
-    def _bent(self, s: Signals) -> ca.SX:
-        """a load_j / k [-]."""
-        return (self.stiffening_per_rad + STRAIGHT) * s.load[self.index] / self.stiffness_Nm_rad
-
-    def _wound(self, s: Signals) -> ca.SX:
-        """k times the twist that the load gives at rest [Nm]."""
-        bent = self._bent(s)
-        return self.stiffness_Nm_rad / (self.stiffening_per_rad + STRAIGHT) * ca.asinh(bent)
+    def _twist(self, s: Signals) -> ca.SX:
+        """What the load gives at rest [rad]."""
+        return wound(s.load[self.index], self.stiffness_Nm_rad, self.stiffening_per_rad)
 
     def state_rate(self, s: Signals) -> ca.SX:
         x, rate, slow, slow_rate = ca.vertsplit(s.state)
@@ -127,8 +123,8 @@ class ElasticJoint(Effect):
         return ca.vertcat(rate, swing, slow_rate, self._acceleration(s, slow, slow_rate, DAMPED))
 
     def steady_state(self, s: Signals) -> ca.SX:
-        wound = self._wound(s)
-        return ca.vertcat(wound, 0, wound, 0)
+        torque = self.stiffness_Nm_rad * self._twist(s)
+        return ca.vertcat(torque, 0, torque, 0)
 
     @classmethod
     def beginnings(cls) -> int:

@@ -3,6 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TypeVar
+
+import casadi as ca
+
+Number = TypeVar("Number", ca.SX, ca.DM)
 
 STRAIGHT = 1e-3
 """[1/rad] stiffening that is none, so that the law has no division by nothing"""
@@ -22,3 +27,23 @@ class Transmission:
     damping: float | None = None
     gap: float | None = None
     stiffening: float | None = None
+
+
+def wound(load: Number, stiffness: Number | float, stiffening: Number | float) -> Number:
+    """Twist asinh(a load / k) / a of springs at rest [rad].
+
+    Args:
+        load: [Nm]; stiffness: k [Nm/rad]; stiffening: a [1/rad]; of one shape.
+    """
+    bent = stiffening + STRAIGHT
+    return ca.asinh(bent * load / stiffness) / bent
+
+
+def wound_torque(twist: Number, stiffness: Number | float, stiffening: Number | float) -> Number:
+    """Torque (k / a) sinh(a twist) of springs [Nm], what `wound` is the inverse of.
+
+    Args:
+        twist: beyond the gap [rad]; stiffness: k [Nm/rad]; stiffening: a [1/rad]; of one shape.
+    """
+    bent = stiffening + STRAIGHT
+    return stiffness / bent * ca.sinh(bent * twist)

@@ -20,7 +20,7 @@ import numpy as np
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.effects import Effect
-from irb2400_ctrl.effects.transmission import STRAIGHT
+from irb2400_ctrl.effects.transmission import wound
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.model.model import Model
 from irb2400_ctrl.robot import Robot
@@ -70,19 +70,8 @@ def elastic_data(robot: Robot) -> Array:
 
 def twist(load: Array, data: Array) -> Array:
     """q - l at rest under the loads [Nm] of the elastic joints, shape (k,) [rad]."""
-    stiffening = data[:, 4] + STRAIGHT
-    wound = np.arcsinh(stiffening * load / data[:, 0]) / stiffening
-    return np.asarray(wound + 0.5 * data[:, 3] * np.sign(load))
-
-
-def wound_torque(wound: ca.SX, stiffness: ca.SX, stiffening: ca.SX) -> ca.SX:
-    """Torque (k / a) sinh(a x) of springs wound by x beyond their gaps [Nm].
-
-    Args:
-        wound: x [rad]; stiffness: k [Nm/rad]; stiffening: a [1/rad]; of one shape.
-    """
-    bent = stiffening + STRAIGHT
-    return stiffness / bent * ca.sinh(bent * wound)
+    wound_up = wound(ca.DM(load), ca.DM(data[:, 0]), ca.DM(data[:, 4]))
+    return np.asarray(wound_up).ravel() + 0.5 * data[:, 3] * np.sign(load)
 
 
 def links_only(robot: Robot) -> Robot:

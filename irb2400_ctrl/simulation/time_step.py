@@ -21,8 +21,8 @@ from dataclasses import dataclass, replace
 import casadi as ca
 
 from irb2400_ctrl.effects.memory import next_memory
+from irb2400_ctrl.effects.transmission import wound_torque
 from irb2400_ctrl.model import kinematics
-from irb2400_ctrl.model.elasticity import wound_torque
 from irb2400_ctrl.model.linear_solve import factorise
 from irb2400_ctrl.robot import Robot
 from irb2400_ctrl.simulation.dry_friction import Bounds, dry_friction_step

@@ -59,18 +59,22 @@ def test_rapid_of_another_makers_arm_says_so(folder: Path) -> None:
     assert head[2].endswith("axis 3 counts from the upper arm.")
 
 
+def with_wide_ranges(path: Path, joints: int) -> str:
+    """A file of a UR10e whose first joints turn in ranges that are radians taken for degrees."""
+    robot = load_robot("ur10e")
+    wide = {"range_deg": (-10313.2, 10313.2)}
+    changed = tuple(
+        j.model_copy(update={"limits": j.limits.model_copy(update=wide)}) if k < joints else j
+        for k, j in enumerate(robot.joints)
+    )
+    save_robot(robot.model_copy(update={"joints": changed}), path)
+    return str(path)
+
+
 def test_what_looks_wrong_in_a_robot_file_is_told_by_commands(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    robot = load_robot("ur10e")
-    wide = tuple(
-        j.model_copy(
-            update={"limits": j.limits.model_copy(update={"range_deg": (-10313.2, 10313.2)})}
-        )
-        for j in robot.joints
-    )
-    save_robot(robot.model_copy(update={"joints": wide}), tmp_path / "wide.toml")
-    load_arm(str(tmp_path / "wide.toml"))
+    load_arm(with_wide_ranges(tmp_path / "wide.toml", joints=6))
     told = capsys.readouterr().err
     assert told.count("range -10313.2 to 10313.2 deg is several turns") == 3
     assert "and 3 more that look wrong (irb2400 robot check)" in told
@@ -100,13 +104,5 @@ def test_how_far_an_axis_is_out_is_the_difference_of_the_numbers_told(tmp_path: 
 def test_one_more_that_looks_wrong_is_one(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    robot = load_robot("ur10e")
-    wide = tuple(
-        j.model_copy(
-            update={"limits": j.limits.model_copy(update={"range_deg": (-10313.2, 10313.2)})}
-        )
-        for j in robot.joints[:4]
-    )
-    save_robot(robot.model_copy(update={"joints": (*wide, *robot.joints[4:])}), tmp_path / "a.toml")
-    load_arm(str(tmp_path / "a.toml"))
+    load_arm(with_wide_ranges(tmp_path / "wide.toml", joints=4))
     assert "and 1 more that looks wrong (irb2400 robot check)" in capsys.readouterr().err

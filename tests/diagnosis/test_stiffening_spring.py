@@ -11,8 +11,8 @@ import irb2400_ctrl as irb
 
 @pytest.fixture(scope="module")
 def diagnosis() -> irb.Diagnosis:
-    """Of an arm of which axis 1 is 29 % stiffer at its rms torque than at none. A spring of one
-    stiffness said 288 nats where this says 1,900, and play of the gear more than that spring."""
+    """Of an arm of which axis 1 is 29 % stiffer at its rms torque than at none: it was play of the
+    gear, with a gain of the torque beside it."""
     (arm,) = [one for one in plan(20263401) if one.name == "single/23"]
     seen = Case(arm).identification()
     log = irb.Log(seen.time, seen.q, seen.tau, qd=seen.qd, q_ref=seen.q_ref)

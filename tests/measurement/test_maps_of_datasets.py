@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from measured_logs import made, same
+from measured_logs import made, same, written
 
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.measurement import read_log
@@ -19,20 +19,6 @@ Q = LOG.q
 TAU = LOG.tau
 SPEED = np.asarray(LOG.qd)
 AXES = tuple(f"axis_{j}" for j in range(1, 7))
-
-
-def written(path: Path, columns: dict[str, np.ndarray]) -> Path:
-    """A table; a matrix is one column per joint, its name with {j} or {j0}."""
-    names = []
-    values = []
-    for name, column in columns.items():
-        matrix = column[:, None] if column.ndim == 1 else column
-        for k in range(matrix.shape[1]):
-            names.append(name.replace("{j}", str(k + 1)).replace("{j0}", str(k)))
-            values.append(matrix[:, k])
-    rows = "\n".join(",".join(f"{v:.17g}" for v in row) for row in np.stack(values, axis=1))
-    path.write_text(f"{','.join(names)}\n{rows}\n", "utf-8")
-    return path
 
 
 def refusal(path: Path) -> str:

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from measured_logs import made, same
+from measured_logs import made, same, written
 from scipy.io import savemat
 
 from irb2400_ctrl.errors import InputError
@@ -25,20 +25,6 @@ DEG = 2 * np.degrees(Q)
 """beyond what can be radians"""
 ROBOT = ("pan", "lift", "elbow", "wrist_1", "wrist_2", "wrist_3")
 EPOCH = 1.6e9
-
-
-def written(path: Path, columns: dict[str, np.ndarray], separator: str = ",") -> Path:
-    """A table; a matrix is one column per joint, its name with {j} or {j0}."""
-    names = []
-    values = []
-    for name, column in columns.items():
-        matrix = column[:, None] if column.ndim == 1 else column
-        for k in range(matrix.shape[1]):
-            names.append(name.replace("{j}", str(k + 1)).replace("{j0}", str(k)))
-            values.append(matrix[:, k])
-    rows = "\n".join(separator.join(f"{v:.17g}" for v in row) for row in np.stack(values, axis=1))
-    path.write_text(f"{separator.join(names)}\n{rows}\n", "utf-8")
-    return path
 
 
 def suggested(path: Path, **filled: float) -> Path:
