@@ -24,7 +24,7 @@ from irb2400_ctrl.robot import Robot
 CosSin = tuple[ca.SX, ca.SX]
 
 PARALLEL = 1e-12
-"""axes are parallel when the cosine between them is closer to one than this [-]"""
+"""axes are parallel when the sine between them is smaller than this [-]"""
 
 
 @dataclass(frozen=True)
@@ -62,7 +62,7 @@ def chain_of(robot: Robot) -> Chain:
         X = link.frame.matrix()
         R = X[:3, :3]
         p = X[:3, 3]
-        if groups and R[2, 2] > 1 - PARALLEL:
+        if groups and R[2, 2] > 0 and np.hypot(R[0, 2], R[1, 2]) < PARALLEL:
             last = groups[-1]
             groups[-1] = LinkGroup(range(last.links.start, i + 1), last.R, last.p, (*last.steps, p))
             total[i] += total[i - 1]

@@ -62,10 +62,12 @@ class Transform(Table):
         return self
 
     def matrix(self) -> Array:
-        """The matrix, shape (4, 4)."""
+        """The matrix without the rounding of quarter turns, shape (4, 4)."""
         X = np.array(self.transform)
-        rounded = np.round(X[:3, :3])
-        X[:3, :3] = np.where(np.abs(X[:3, :3] - rounded) < 1e-9, rounded, X[:3, :3])
+        R = np.where(np.abs(X[:3, :3]) < 1e-9, 0.0, X[:3, :3])
+        # the cosine of a small angle is no one: its sine counts
+        alone = (R != 0.0).sum(axis=1, keepdims=True) == 1
+        X[:3, :3] = np.where(alone, np.sign(R), R)
         return X
 
 
