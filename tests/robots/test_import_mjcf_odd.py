@@ -127,3 +127,40 @@ def test_gravity_that_the_file_states_is_no_assumption(tmp_path: Path) -> None:
     path = tmp_path / "arm.xml"
     path.write_text(ARM)
     assert "imported" in import_robot(path).robot.gravity_source
+
+
+SERVO = '<position joint="j1" kp="1e6" forcerange="-80 90"/>'
+
+
+@pytest.mark.parametrize(
+    ("own", "actuators"),
+    [
+        ("", SERVO),
+        ('actuatorfrcrange="-200 200"', SERVO),
+        ('actuatorfrcrange="-50 60"', SERVO),
+        ('actuatorfrcrange="-50 60" actuatorfrclimited="false"', SERVO),
+        ("", '<motor joint="j1" ctrlrange="-30 30" forcerange="-80 80" gear="3"/>'),
+        ("", '<motor joint="j1" ctrlrange="-90 90" forcerange="-80 80"/>'),
+        ("", '<motor joint="j1" ctrlrange="-30 30" ctrllimited="false" forcerange="-80 80"/>'),
+        ("", '<motor jointinparent="j1" ctrlrange="-30 30" gear="2"/>'),
+        ("", f'{SERVO}<velocity joint="j1" kv="1e6" forcerange="-20 20"/>'),
+    ],
+)
+def test_the_largest_torque_is_that_of_mujoco(tmp_path: Path, own: str, actuators: str) -> None:
+    """The range of the joint, of the actuator, of a motor's control: the narrowest one counts."""
+    mujoco = pytest.importorskip("mujoco")
+    text = ARM.replace('name="j1"', f'name="j1" {own}')
+    path = tmp_path / "arm.xml"
+    path.write_text(text.replace("</mujoco>", f"<actuator>{actuators}</actuator></mujoco>"))
+    engine = mujoco.MjModel.from_xml_path(str(path))
+    data = mujoco.MjData(engine)
+    data.ctrl[:] = -1e6
+    mujoco.mj_forward(engine, data)
+    limit = import_robot(path).robot.joints[0].limits.torque_Nm
+    assert limit == pytest.approx(-data.qfrc_actuator[0])
+
+
+def test_rotors_of_an_actuator_in_the_parent_count(tmp_path: Path) -> None:
+    path = tmp_path / "arm.xml"
+    path.write_text(ARM.replace("</mujoco>", MOTOR.replace("joint=", "jointinparent=")))
+    assert worst(path) < 1e-9

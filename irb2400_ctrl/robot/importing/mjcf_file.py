@@ -28,6 +28,7 @@ from irb2400_ctrl.robot.importing.mjcf_parts import (
     defaults,
     drives,
     first_number,
+    least_of,
     spliced,
     stated_numbers,
 )
@@ -215,10 +216,9 @@ class _Reader:
         kind = {"hinge": "revolute", "slide": "prismatic"}.get(settings.get("type", "hinge"))
         ends = settings.get("range")
         limited = settings.get("limited", "auto") != "false"
-        force = settings.get("actuatorfrcrange")
-        effort = drive.limit
-        if force:
-            effort = float(np.abs(stated_numbers(name, force, 2)).min())
+        effort = least_of(name, settings, "actuatorfrc")
+        if drive.limit is not None:
+            effort = min(effort, drive.limit)
         low, high = self.unit * stated_numbers(name, ends, 2) if ends and limited else (0.0, 0.0)
         number = {
             key: first_number(name, settings.get(key))
@@ -232,7 +232,7 @@ class _Reader:
             X,
             stated_numbers(name, settings.get("axis", "0 0 1"), 3),
             range=(float(low), float(high)) if low < high else None,
-            effort=effort,
+            effort=effort if effort < np.inf else None,
             damping=(number["damping"] or 0.0) + drive.damping or None,
             dry=number["frictionloss"],
             armature=(number["armature"] or 0.0) + drive.armature or None,

@@ -78,7 +78,7 @@ class Drive:
     """What the actuators of a joint do to it beside moving it."""
 
     limit: float | None = None
-    """largest torque, the range of a motor or `forcerange` times the gear [Nm]"""
+    """largest torque, the range of a motor or `forcerange` times the gear, of all together [Nm]"""
     armature: float = 0.0
     """of the rotors, times the gear squared [kg m2]"""
     damping: float = 0.0
@@ -94,7 +94,7 @@ def drives(root: ET.Element, classes: Defaults) -> dict[str, Drive]:
     found: dict[str, Drive] = {}
     for actuator in root.findall("actuator/*"):
         tag = str(actuator.tag)
-        joint = actuator.get("joint")
+        joint = actuator.get("joint", actuator.get("jointinparent"))
         if tag not in ACTUATORS or joint is None:
             continue
         settings = {
@@ -104,16 +104,35 @@ def drives(root: ET.Element, classes: Defaults) -> dict[str, Drive]:
         where = f"actuator of {joint}"
         gear = abs(first_number(where, settings.get("gear", "1")) or 0.0)
         before = found.get(joint, Drive())
-        limit = before.limit
-        ends = settings.get("forcerange") or (settings.get("ctrlrange") if tag == "motor" else None)
-        if ends and "inf" not in ends:  # an infinite range is none
-            limit = gear * float(np.abs(stated_numbers(where, ends, 2)).min()) or limit
+        limit = gear * least_of(where, settings, "force", *["ctrl"] * (tag == "motor"))
+        # several turn it together
+        together = (before.limit or 0.0) + (limit if limit < np.inf else 0.0)
         found[joint] = Drive(
-            limit,
+            together or None,
             before.armature + gear**2 * (first_number(where, settings.get("armature")) or 0.0),
             before.damping + gear**2 * (first_number(where, settings.get("damping")) or 0.0),
         )
     return found
+
+
+def least_of(where: str, settings: Settings, *what: str) -> float:
+    """The smallest end of ranges that are in force; endless where none is.
+
+    Args:
+        where: they stand, for the message.
+        settings: of the element: `forcerange` and `forcelimited` of `force`, as for others.
+        what: they limit.
+
+    Raises:
+        InputError: a range that is not two numbers.
+    """
+    ends = [np.inf]
+    for name in what:
+        text = settings.get(f"{name}range")
+        # an infinite range is none
+        if text and "inf" not in text and settings.get(f"{name}limited") != "false":
+            ends += np.abs(stated_numbers(where, text, 2)).tolist()
+    return min(ends)
 
 
 def first_number(where: str, text: str | None) -> float | None:
