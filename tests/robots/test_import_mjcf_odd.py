@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import irb2400_ctrl as irb
+from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.robot.importing import import_robot
 
 BODY = '<inertial pos=".1 .02 .05" mass="3" diaginertia=".04 .05 .06"/>'
@@ -164,3 +165,27 @@ def test_rotors_of_an_actuator_in_the_parent_count(tmp_path: Path) -> None:
     path = tmp_path / "arm.xml"
     path.write_text(ARM.replace("</mujoco>", MOTOR.replace("joint=", "jointinparent=")))
     assert worst(path) < 1e-9
+
+
+@pytest.mark.parametrize("free", ["<freejoint/>", '<joint type="free"/>'])
+def test_an_arm_on_what_flies_is_held_where_the_file_shows_it(tmp_path: Path, free: str) -> None:
+    """A vehicle or a trunk; a cube that flies beside it is none."""
+    path = tmp_path / "arm.xml"
+    arm = ARM[ARM.index('<body name="b1"') : ARM.index("</worldbody>")]
+    base = '<body name="trunk" pos=".5 0 .4" euler="0 10 20">'
+    path.write_text(ARM.replace(arm, f"{base}{arm}</body>"))
+    assert worst(path) < 1e-9
+    q = np.array([0.3, -0.4, 0.5])
+    X = irb.Model(import_robot(path).robot).tcp_pose(q)
+    cube = '<body name="cube"><freejoint/><geom size=".1"/></body>'
+    path.write_text(ARM.replace(arm, f"{base}{free}{BODY}{arm}</body>{cube}"))
+    found = import_robot(path)
+    np.testing.assert_allclose(irb.Model(found.robot).tcp_pose(q), X, atol=1e-12)
+    said = [note for note in found.notes if "flies freely" in note]
+    assert [note.split(",")[0].split(":")[0] for note in said] == [
+        "body trunk flies freely and carries the arm",
+        "body cube flies freely",
+    ]
+    path.write_text(ARM.replace(arm, cube))
+    with pytest.raises(InputError, match="found no body on a base; cube flies freely"):
+        import_robot(path)

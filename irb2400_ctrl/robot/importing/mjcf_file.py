@@ -2,7 +2,7 @@
 
 A body with several hinges becomes as many links, the first ones without mass. Of actuators the
 limits are read; tendons and equalities are not: a coupling is stated at the import.
-Bodies that fly freely (what an arm shall grasp) are left out.
+Bodies that fly freely (what an arm shall grasp) are left out; one that carries the arm is held.
 """
 
 from __future__ import annotations
@@ -28,6 +28,8 @@ from irb2400_ctrl.robot.importing.mjcf_parts import (
     defaults,
     drives,
     first_number,
+    flies,
+    held,
     least_of,
     spliced,
     stated_numbers,
@@ -66,6 +68,7 @@ def read_mjcf(path: Path, root: ET.Element) -> Tree:
     frames = Frames(path, classes, partial(orientation, unit=unit, eulerseq=reader.eulers))
     for world in worlds:
         frames.dissolve(world)
+    reader.notes += held(root)
     reader.made = made_masses(path, root, settings, of_masses)
     reader.bodies = {str(body.get("name")) for body in root.iter("body")}
     reader.hinges = {str(joint.get("name")) for joint in root.iter("joint")}
@@ -141,7 +144,7 @@ class _Reader:
         kind = element.get("childclass", around)
         X = self._pose(element.attrib, name)
         hinges = element.findall("joint")
-        if element.find("freejoint") is not None or "free" in {h.get("type") for h in hinges}:
+        if flies(element):
             self.free.append(name)
             return
         here = np.eye(4)

@@ -10,7 +10,7 @@ import numpy as np
 
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.extras import needed
-from irb2400_ctrl.robot.importing.mjcf_parts import Settings
+from irb2400_ctrl.robot.importing.mjcf_parts import Settings, flies
 from irb2400_ctrl.robot.importing.tree import Mass
 
 CHANGES_MASSES = ("settotalmass", "boundmass", "boundinertia")
@@ -99,10 +99,9 @@ def _made(path: Path, root: ET.Element, notes: list[str]) -> Made:
 def _weighed_by_shape(body: ET.Element, moving: bool = False) -> list[ET.Element]:
     """This body and those on it that move, have shapes and no inertial; none on one that flies
     freely."""
-    joints = body.findall("joint")
-    if body.find("freejoint") is not None or "free" in {j.get("type") for j in joints}:
+    if flies(body):
         return []
-    moving = moving or bool(joints)
+    moving = moving or body.find("joint") is not None
     light = moving and body.find("inertial") is None and body.find("geom") is not None
     found = [body] if light else []
     for inner in body.findall("body"):

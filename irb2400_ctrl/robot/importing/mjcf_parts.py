@@ -48,6 +48,31 @@ def spliced(path: Path, root: ET.Element, depth: int = 0) -> None:
                 parent.insert(place + k, element)
 
 
+def flies(body: ET.Element) -> bool:
+    """Whether a body flies freely."""
+    kinds = {joint.get("type") for joint in body.findall("joint")}
+    return body.find("freejoint") is not None or "free" in kinds
+
+
+def held(root: ET.Element) -> list[str]:
+    """Take the freedom of what flies and carries joints, where no joint stands on a base: an arm on
+    a vehicle or a trunk. Notes on what is held."""
+    bodies = root.findall("worldbody/body")
+    if any(body.find(".//joint") is not None for body in bodies if not flies(body)):
+        return []
+    notes = []
+    for body in filter(flies, bodies):
+        if body.find("body//joint") is None:
+            continue
+        for free in [*body.findall("freejoint"), *body.findall("joint")]:
+            body.remove(free)
+        notes.append(
+            f"body {body.get('name')} flies freely and carries the arm: it is held where the file "
+            "shows it"
+        )
+    return notes
+
+
 def defaults(root: ET.Element) -> Defaults:
     """What every default class says of joints and actuators, the classes around it included."""
     found: Defaults = {"main": {}}
