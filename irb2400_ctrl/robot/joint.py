@@ -29,7 +29,7 @@ class Friction(Table):
         return static, coulomb, viscous, stribeck
 
 
-_PLAUSIBLE = {
+PLAUSIBLE = {
     "speed_deg_s": (1e-2, 1e5),
     "torque_Nm": (1e-4, 1e7),
     "acceleration_deg_s2": (1e-2, 1e8),
@@ -58,7 +58,7 @@ class Limits(Table):
 
     @model_validator(mode="after")
     def _of_an_arm(self) -> Self:
-        for key, (least, most) in _PLAUSIBLE.items():
+        for key, (least, most) in PLAUSIBLE.items():
             value = getattr(self, key)
             if value is not None and not least <= value <= most:
                 raise ValueError(

@@ -254,3 +254,88 @@ def test_quarter_turns_of_few_digits_are_exact(tmp_path: Path) -> None:
     assert not any("few digits" in note for note in exact.notes)
     skew = imported(tmp_path, text.replace("1.5707963267948966", "1.57")).robot
     assert skew.links[1].frame != exact.robot.links[1].frame
+
+
+def with_transmission(inner: str) -> dict[str, str]:
+    of_joint = f'<joint name="joint_2"/><actuator name="m"/>{inner}'
+    return {"</robot>": f"<transmission>{of_joint}</transmission></robot>"}
+
+
+ROTOR = '<drake:rotor_inertia value="2e-4"/>'
+
+
+@pytest.mark.parametrize(
+    ("inner", "ratio", "rotor"),
+    [
+        ("<mechanicalReduction>1</mechanicalReduction>", None, None),
+        ("<mechanicalReduction>-101.5</mechanicalReduction>", -101.5, None),
+        ("<joint name='joint_2'><mechanical_reduction>80</mechanical_reduction></joint>", 80, None),
+        ("<mechanicalReduction>high</mechanicalReduction>", None, None),
+        ("<joint name='joint_3'/><mechanicalReduction>9</mechanicalReduction>", None, None),
+        (ROTOR, None, 2e-4),
+        (f'<actuator>{ROTOR}<drake:gear_ratio value="100"/></actuator>', 100, 2.0),
+    ],
+)
+def test_gears_and_rotors_of_transmissions(
+    tmp_path: Path, inner: str, ratio: float | None, rotor: float | None
+) -> None:
+    """A rotor counts as in Drake: times the square of its gear on the joint's side."""
+    robot = one_joint(tmp_path, with_transmission(inner)).robot
+    between = robot.joints[1].transmission
+    assert (between and between.gear_ratio) == ratio
+    plain = imported(tmp_path, urdf(ARMS["irb1200"])).robot
+    q = np.linspace(0.1, 0.6, 6)
+    more = irb.Model(robot).mass_matrix(q) - irb.Model(plain).mass_matrix(q)
+    np.testing.assert_allclose(more, np.diag([0, rotor or 0, 0, 0, 0, 0]), atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("limit", "range_deg", "acceleration_deg_s2", "says"),
+    [
+        ('lower="-1" upper="2"', (-57.29578, 114.59156), None, ""),
+        ('lower="-1"', (-57.29578, 0), None, ""),
+        ('lower="-inf" upper="inf"', (-360, 360), None, "no range in the file"),
+        ('lower="-1" upper="Infinity"', (-360, 360), None, "no range in the file"),
+        ('lower="-1" upper="1" drake:acceleration="10"', None, 572.95780, ""),
+        ('lower="-1" upper="1" acceleration="10"', None, 572.95780, ""),
+        ('lower="-1" upper="1" acceleration="inf"', None, None, ""),
+        ('lower="-1" upper="1" acceleration="0"', None, None, "acceleration limit is 0 in the"),
+        ('lower="-1" upper="1" effort="1e-6"', None, None, "torque limit is 1e-06 in the file"),
+        ('lower="-1" upper="1" velocity="1e-5"', None, None, "speed limit is 1e-05 in the file"),
+        ('lower="-1" upper="1"/><safety_controller soft_lower_limit="-.9" k_velocity="2"', None,
+         None, "soft limits within its range are not read"),
+        ('lower="-1" upper="1"/><safety_controller soft_lower_limit="-1" soft_upper_limit="1" '
+         'k_velocity="2"', None, None, ""),
+    ],
+)  # fmt: skip
+def test_limits_that_a_joint_may_have(
+    tmp_path: Path,
+    limit: str,
+    range_deg: tuple[float, float] | None,
+    acceleration_deg_s2: float | None,
+    says: str,
+) -> None:
+    text = urdf(ARMS["irb1200"])
+    others = "" if "1e-" in limit else ' effort="90" velocity="2"'
+    if "1e-" in limit:
+        others = ' velocity="2"' if "effort" in limit else ' effort="90"'
+    new = f"<limit{others} {limit}/>"
+    found = imported(tmp_path, re.sub(r"<limit [^>]*/>", new, text, count=1))
+    limits = found.robot.joints[0].limits
+    np.testing.assert_allclose(limits.range_deg, range_deg or (-57.29578, 57.29578), rtol=1e-6)
+    assert limits.acceleration_deg_s2 == pytest.approx(acceleration_deg_s2)
+    said = [note for note in found.notes if note.startswith("joint joint_1:")]
+    assert len(said) == bool(says)
+    assert says in "".join(said)
+
+
+def test_a_frame_turned_by_a_quaternion(tmp_path: Path) -> None:
+    """As URDF 1.1 has it, of few digits."""
+    old = 'rpy="1.5707963267948966 0.0 0.0"'
+    text = urdf(ARMS["ur5"])
+    assert old in text
+    turned = imported(tmp_path, text.replace(old, 'quat_xyzw="0.7071 0 0 0.7071"')).robot
+    for a, b in zip(turned.links, imported(tmp_path, text).robot.links, strict=True):
+        np.testing.assert_array_equal(a.frame.matrix(), b.frame.matrix())
+    with pytest.raises(InputError, match="found '0 0 1', expected 4 finite numbers"):
+        imported(tmp_path, text.replace(old, 'quat_xyzw="0 0 1"'))

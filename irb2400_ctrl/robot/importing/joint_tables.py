@@ -7,11 +7,16 @@ from typing import Any
 import numpy as np
 
 from irb2400_ctrl.robot.importing.tree import TreeJoint
+from irb2400_ctrl.robot.joint import PLAUSIBLE
 
 ABSURD_EFFORT = 1e5
 """a joint of an arm does not reach this torque [Nm]"""
 ABSURD_SPEED = 100.0
 """nor this speed [rad/s]"""
+LEAST_EFFORT = PLAUSIBLE["torque_Nm"][0]
+LEAST_SPEED = float(np.radians(PLAUSIBLE["speed_deg_s"][0]))
+"""and every joint has more than these"""
+SOURCE = "the imported file"
 DEGREES = 4 * np.pi
 """a range beyond two turns either way looks like degrees [rad]"""
 
@@ -25,12 +30,14 @@ def joint_table(joint: TreeJoint, notes: list[str]) -> dict[str, Any]:
     if joint.dry:
         friction["coulomb_Nm"] = joint.dry
     if friction:
-        table["friction"] = {**friction, "source": "the imported file"}
+        table["friction"] = {**friction, "source": SOURCE}
+    if joint.gear:
+        table["transmission"] = {"gear_ratio": joint.gear, "source": SOURCE}
     return table
 
 
 def _limits(joint: TreeJoint, notes: list[str]) -> dict[str, Any]:
-    source = "the imported file"
+    source = SOURCE
     ends = joint.range
     if ends is None or ends[0] >= ends[1]:
         notes.append(f"joint {joint.name}: {_no_range(joint)}; one turn either way is kept")
@@ -41,16 +48,30 @@ def _limits(joint: TreeJoint, notes: list[str]) -> dict[str, Any]:
             f"joint {joint.name}: range {ends[0]:g} to {ends[1]:g} rad is beyond two turns; it "
             "looks like degrees, check the file"
         )
+    low, high = ends
+    if joint.soft is not None and (low < joint.soft[0] < high or low < joint.soft[1] < high):
+        notes.append(
+            f"joint {joint.name}: soft limits within its range are not read (safety_controller): "
+            "plans use the whole range"
+        )
     limits: dict[str, Any] = {"range_deg": np.degrees(ends).tolist(), "range_source": source}
-    if joint.speed is not None and 0 < joint.speed <= ABSURD_SPEED:
+    if joint.speed is not None and LEAST_SPEED <= joint.speed <= ABSURD_SPEED:
         limits["speed_deg_s"] = float(np.degrees(joint.speed))
     else:
         notes.append(f"joint {joint.name}: speed limit {_found(joint.speed)}, taken as unknown")
-    if joint.effort is not None and 0 < joint.effort < ABSURD_EFFORT:
+    if joint.effort is not None and LEAST_EFFORT <= joint.effort < ABSURD_EFFORT:
         limits["torque_Nm"] = joint.effort
-        limits["torque_source"] = "the imported file"
+        limits["torque_source"] = SOURCE
     else:
         notes.append(f"joint {joint.name}: torque limit {_found(joint.effort)}, taken as unknown")
+    least, most = PLAUSIBLE["acceleration_deg_s2"]
+    acceleration = np.degrees(joint.acceleration or 0.0)
+    if least <= acceleration <= most:
+        limits["acceleration_deg_s2"] = float(acceleration)
+    elif joint.acceleration is not None:
+        notes.append(
+            f"joint {joint.name}: acceleration limit {_found(joint.acceleration)}, taken as unknown"
+        )
     return limits
 
 

@@ -33,7 +33,7 @@ def orientation(keys: Mapping[str, str], numbers: Numbers, unit: float, eulerseq
         InputError: numbers of another count, an axis of no length, an unknown order.
     """
     if "quat" in keys:
-        return turn(*_quaternion(numbers(keys["quat"], 4)))
+        return from_quaternion(numbers(keys["quat"], 4))
     if "euler" in keys:
         return _euler(numbers(keys["euler"], 3) * unit, eulerseq)
     if "axisangle" in keys:
@@ -63,10 +63,11 @@ def _euler(angles: Array, sequence: str) -> Array:
     return np.asarray(first @ second @ third)
 
 
-def _quaternion(q: Array) -> tuple[Array, float]:
-    """Axis and angle of (w, x, y, z)."""
+def from_quaternion(q: Array) -> Array:
+    """R of (w, x, y, z), of any length, shape (3, 3)."""
     size = float(np.linalg.norm(q[1:]))
-    return (q[1:] if size > 0.0 else np.eye(3)[2]), 2.0 * float(np.arctan2(size, q[0]))
+    axis = q[1:] if size > 0.0 else np.eye(3)[2]
+    return turn(axis, 2.0 * float(np.arctan2(size, q[0])))
 
 
 def turn(axis: Array, angle: float) -> Array:

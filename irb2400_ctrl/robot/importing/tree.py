@@ -55,6 +55,8 @@ class TreeJoint:
     """direction in the child's frame, not of unit length, shape (3,)"""
     range: tuple[float, float] | None = None
     """[rad]"""
+    soft: tuple[float, float] | None = None
+    """where a controller begins to slow the joint down, within the range [rad]"""
     speed: float | None = None
     """[rad/s]"""
     effort: float | None = None
@@ -65,6 +67,10 @@ class TreeJoint:
     """[Nm]"""
     armature: float | None = None
     """rotor inertia on the joint's side [kg m2]"""
+    gear: float | None = None
+    """motor turns per joint turn [-]"""
+    acceleration: float | None = None
+    """largest one [rad/s2]"""
     stiffness: float | None = None
     """of a spring across the joint [Nm/rad]"""
     rest: float = 0.0
@@ -109,10 +115,15 @@ class Tree:
         children = {joint.child for joint in self.joints}
         roots = [name for name in self.links if name not in children]
         if len(roots) != 1:
-            found = ", ".join(roots) or "none"
+            if not roots:
+                raise InputError(
+                    f"{self.name}: found every link hanging on a joint, expected one that hangs on "
+                    "none: the joints close a loop; take out the one that only closes it"
+                )
             raise InputError(
-                f"{self.name}: found the root links {found}, expected one link that hangs on no "
-                "joint; with several robots in one file choose one of them with --base-link"
+                f"{self.name}: found the root links {', '.join(roots)}, expected one link that "
+                "hangs on no joint; with several robots in one file choose one of them with "
+                "--base-link"
             )
         return roots[0]
 

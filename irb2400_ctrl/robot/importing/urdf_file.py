@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import xml.etree.ElementTree as ET
+from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
@@ -10,13 +11,16 @@ import numpy as np
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.robot.importing.geometry import Geometry
+from irb2400_ctrl.robot.importing.mjcf_orientation import from_quaternion
 from irb2400_ctrl.robot.importing.tree import Mass, Tree, TreeJoint, pose
+from irb2400_ctrl.robot.importing.urdf_transmissions import Gear, gears
 
 ROUNDED = 1e-5
 """a quarter turn with four decimals is off by less [rad]"""
 KINDS = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar")
 COARSE = 2e-3
 """one with two decimals (3.14) by less than this"""
+SOFT = ("soft_lower_limit", "soft_upper_limit")
 MOST_TURN = 7.0
 """angle of a frame above which it cannot be meant in radians"""
 
@@ -40,7 +44,8 @@ def read_urdf(path: Path, root: ET.Element) -> Tree:
         if doubled:
             raise InputError(f"{path}: {tag} {doubled[0]} is there {names.count(doubled[0])} times")
     links = {_name(path, link, "link"): _mass(path, link) for link in root.findall("link")}
-    joints = tuple(_joint(path, joint) for joint in root.findall("joint"))
+    geared = gears(root)
+    joints = tuple(_joint(path, joint, geared) for joint in root.findall("joint"))
     for joint in joints:
         for link in (joint.parent, joint.child):
             if link not in links:
@@ -83,7 +88,7 @@ def _is_xacro(root: ET.Element) -> bool:
     )
 
 
-def _joint(path: Path, element: ET.Element) -> TreeJoint:
+def _joint(path: Path, element: ET.Element, geared: Mapping[str, Gear]) -> TreeJoint:
     name = _name(path, element, "joint")
     limit = element.find("limit")
     dynamics = element.find("dynamics")
@@ -91,8 +96,9 @@ def _joint(path: Path, element: ET.Element) -> TreeJoint:
     kind = element.get("type", "")
     axis = element.find("axis")
     where = f"{path}: joint {name}"
-    ends = (_optional(where, limit, "lower"), _optional(where, limit, "upper"))
-    low, high = (0.0 if end is None else end for end in ends)
+    gear = geared.get(name, Gear())
+    own = limit is not None and "acceleration" in limit.attrib
+    faster = "acceleration" if own else "drake:acceleration"
     return TreeJoint(
         name=name,
         kind=kind,
@@ -100,15 +106,35 @@ def _joint(path: Path, element: ET.Element) -> TreeJoint:
         child=_attribute(where, element.find("child"), "link"),
         X=_origin(where, element.find("origin")),
         axis=np.array([1.0, 0.0, 0.0]) if axis is None else _vector(where, axis.get("xyz", ""), 3),
-        range=None if kind == "continuous" or ends == (None, None) else (low, high),
+        range=None if kind == "continuous" else _range(where, limit),
+        soft=_range(where, element.find("safety_controller"), *SOFT),
         speed=_limit(where, limit, "velocity"),
         effort=_limit(where, limit, "effort"),
         damping=_optional(where, dynamics, "damping"),
         dry=_optional(where, dynamics, "friction"),
+        armature=None if gear.rotor is None else gear.rotor * gear.ratio**2,
+        gear=None if gear.ratio == 1.0 else gear.ratio,
+        acceleration=_limit(where, limit, faster),
         mimics=None if mimic is None else mimic.get("joint"),
         multiplier=1.0 if (ratio := _optional(where, mimic, "multiplier")) is None else ratio,
         offset=_optional(where, mimic, "offset") or 0.0,
     )
+
+
+def _range(
+    where: str, element: ET.Element | None, lower: str = "lower", upper: str = "upper"
+) -> tuple[float, float] | None:
+    """Both ends, zero where one is not stated; none where it states neither, or is endless.
+
+    Args:
+        where: it stands, for the message.
+        element: that states it.
+        lower, upper: its attributes.
+    """
+    stated = [key for key in (lower, upper) if element is not None and key in element.attrib]
+    if not stated or None in [_limit(where, element, key) for key in stated]:
+        return None
+    return _limit(where, element, lower) or 0.0, _limit(where, element, upper) or 0.0
 
 
 def _mass(path: Path, link: ET.Element) -> Mass | None:
@@ -154,6 +180,9 @@ def _origin(where: str, element: ET.Element | None) -> Array:
     if element is None:
         return np.eye(4)
     xyz = _vector(where, element.get("xyz", "0 0 0"), 3)
+    if "quat_xyzw" in element.attrib:
+        xyzw = _vector(where, element.get("quat_xyzw", ""), 4)
+        return pose(xyz, from_quaternion(np.roll(xyzw, 1)))
     rpy = _vector(where, element.get("rpy", "0 0 0"), 3)
     if np.abs(rpy).max() > MOST_TURN:
         raise InputError(
@@ -230,7 +259,7 @@ def _optional(where: str, element: ET.Element | None, key: str) -> float | None:
 def _limit(where: str, element: ET.Element | None, key: str) -> float | None:
     """A limit; none where it is infinite, as simulators have it."""
     text = "" if element is None else element.get(key, "")
-    endless = text.strip().lstrip("+").lower() in {"inf", "infinity"}
+    endless = text.strip().lstrip("+-").lower() in {"inf", "infinity"}
     return None if endless else _optional(where, element, key)
 
 
