@@ -47,14 +47,27 @@ def xml_root(path: Path, what: str) -> ET.Element:
     parser.StartElementHandler = start
     parser.EndElementHandler = end
     parser.CharacterDataHandler = tree.data
+    data = b""
     try:
         if path.stat().st_size > MOST_BYTES:
             raise InputError(f"{path} has more than {MOST_BYTES / 1e6:.0f} MB, expected {what}")
-        with path.open("rb") as file:
-            parser.ParseFile(file)
+        data = path.read_bytes()
+        # as the readers of simulators do
+        parser.Parse(data.lstrip(), True)
         return tree.close()
     except expat.ExpatError as error:
-        raise InputError(f"{path} is not XML ({error}), expected {what}") from error
+        raise InputError(f"{path} is not XML ({error}), expected {what}{_other(data)}") from error
     # an encoding that nobody knows, or not as it is declared
     except (OSError, LookupError, ValueError) as error:
-        raise InputError(f"{path} cannot be read ({error}), expected {what}") from error
+        raise InputError(
+            f"{path} cannot be read ({error}), expected {what}{_other(data)}"
+        ) from error
+
+
+def _other(data: bytes) -> str:
+    """What to do where the bytes are not those of the usual encoding."""
+    try:
+        data.decode("utf-8")
+    except UnicodeDecodeError:
+        return "; found letters of another encoding: save it as UTF-8"
+    return ""

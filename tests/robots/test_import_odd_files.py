@@ -198,3 +198,47 @@ def test_a_spring_across_a_joint_is_an_effect(tmp_path: Path) -> None:
 def test_a_body_without_weight_is_said(tmp_path: Path) -> None:
     notes = read(tmp_path / "arm.xml", mjcf(body_2='gravcomp="1"')).notes
     assert any("link l2: its weight acts on the motors here (gravcomp)" in note for note in notes)
+
+
+@pytest.mark.parametrize(
+    ("content", "says"),
+    [
+        (b'\n\n <?xml version="1.0"?>' + ARM.encode(), ""),
+        (b'\xef\xbb\xbf<?xml version="1.0"?>' + ARM.encode(), ""),
+        (('<?xml version="1.0" encoding="UTF-16"?>' + ARM).encode("utf-16"), ""),
+        ("<?xml version='1.0' encoding='latin-1'?><!-- Gelänk -->".encode("latin-1")
+         + ARM.encode(), ""),
+        ("<!-- Gelänk -->".encode("latin-1") + ARM.encode(), "is not XML .*save it as UTF-8"),
+        ("<?xml version='1.0' encoding='GBK'?><!-- 关节 -->".encode("gbk") + ARM.encode(),
+         "cannot be read .*save it as UTF-8"),
+        (ARM.encode()[:-4], r"is not XML \([^;]*$"),
+    ],
+)  # fmt: skip
+def test_what_stands_before_the_first_element(tmp_path: Path, content: bytes, says: str) -> None:
+    """Empty lines, which simulators pass over, marks and letters of other encodings."""
+    path = tmp_path / "arm.urdf"
+    path.write_bytes(content)
+    if says:
+        with pytest.raises(InputError, match=says):
+            import_robot(path)
+        return
+    assert import_robot(path).robot.n == 6
+
+
+@pytest.mark.parametrize("name", ["deep/links.xml", "parts/deep/links.xml"])
+def test_a_file_within_an_included_one(tmp_path: Path, name: str) -> None:
+    """Beside the one that includes it, or stated from the first, as in MuJoCo; undeclared prefixes
+    are part of the names."""
+    pytest.importorskip("mujoco")
+    whole = mjcf()
+    bodies = whole[whole.index("<body") : whole.index("</worldbody>")]
+    (tmp_path / "parts" / "deep").mkdir(parents=True)
+    inner = tmp_path / "parts" / "deep" / "links.xml"
+    inner.write_text(f"<mujocoinclude>{bodies}</mujocoinclude>")
+    part = tmp_path / "parts" / "arm.xml"
+    part.write_text(f'<mujoco><worldbody><include file="{name}"/></worldbody></mujoco>')
+    text = '<mujoco><include file="parts/arm.xml"/></mujoco>'
+    found = read(tmp_path / "scene.xml", text)
+    same_torque(tmp_path / "scene.xml", found.robot)
+    inner.write_text(f"<mujocoinclude>{bodies}<my:own/></mujocoinclude>")
+    assert read(tmp_path / "scene.xml", text).robot == found.robot

@@ -10,6 +10,7 @@ import numpy as np
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.reading import xml_root
 
 Settings = dict[str, str]
 Defaults = dict[str, dict[str, Settings]]
@@ -22,26 +23,30 @@ _OF_ALL = {"forcerange", "gear", "armature", "damping"}
 _DEEPEST = 10
 
 
-def spliced(path: Path, root: ET.Element, depth: int = 0) -> None:
+def spliced(path: Path, root: ET.Element, folders: tuple[Path, ...] = ()) -> None:
     """Put the contents of included files where they are included.
+
+    Args:
+        path: of the file.
+        root: its elements.
+        folders: of the files that include it; the included one may be stated from the first, too.
 
     Raises:
         InputError: a file that is not there or no MJCF, or files that include each other.
     """
-    if depth > _DEEPEST:
+    if len(folders) > _DEEPEST:
         raise InputError(f"{path}: files include each other without an end")
+    folders = (*folders, path.parent)
     for parent in list(root.iter()):
         for include in parent.findall("include"):
-            inner_path = path.parent / include.get("file", "")
-            if not inner_path.is_file():
-                raise InputError(
-                    f"{path} includes {include.get('file')!r}, which is not beside it: put it there"
-                )
-            try:
-                inner = ET.parse(inner_path).getroot()
-            except ET.ParseError as error:
-                raise InputError(f"{inner_path} is not XML: {error}") from error
-            spliced(inner_path, inner, depth + 1)
+            name = include.get("file", "")
+            inner_path = next(
+                (at / name for at in (folders[-1], folders[0]) if (at / name).is_file()), None
+            )
+            if inner_path is None:
+                raise InputError(f"{path} includes {name!r}, which is not beside it: put it there")
+            inner = xml_root(inner_path, "a part of an MJCF")
+            spliced(inner_path, inner, folders)
             place = list(parent).index(include)
             parent.remove(include)
             for k, element in enumerate(inner):
