@@ -27,6 +27,8 @@ OVERLOADED = 3.0
 """weight over torque limit above which one of them has another unit"""
 IDLE = 1.0 / 300.0
 """and below which, on the joint that feels it most"""
+FELT = 1e-9
+"""a joint that feels less of the largest torque stands along gravity [-]"""
 LONGEST_M = 10.0
 """a link longer than this is more likely a slip of unit [m]"""
 HEAVIEST_KG = 5000.0
@@ -116,7 +118,7 @@ def _weight(robot: Robot) -> list[str]:
     )
     if share[j] > OVERLOADED:
         return [f"{asked}; masses look like grams, or limits like another unit"]
-    if torque[j] > 0.0 and share[j] < IDLE:
+    if torque[j] > FELT * torque.max() and share[j] < IDLE:
         return [f"{asked}, and of no other joint for more; limits look like another unit"]
     return []
 

@@ -205,6 +205,7 @@ def test_two_arms_in_a_file_are_told_and_each_can_be_taken(tmp_path: Path) -> No
     assert end is not None
     other = import_robot(path, tip=end[1])
     assert {joint.name.split("_")[0] for joint in other.robot.joints} == {"right"}
+    assert end[1] == "right_tool0"
 
 
 def test_the_other_arm_is_told_without_its_fingers(tmp_path: Path) -> None:
@@ -227,7 +228,7 @@ def test_the_other_arm_is_told_without_its_fingers(tmp_path: Path) -> None:
     )
     found = imported_notes(tmp_path, f'<robot name="two"><link name="stand"/>{text}</robot>')
     (note,) = [note for note in found if "another arm: 6 joints from right_" in note]
-    assert "--tool-link right_link_6 takes" in note
+    assert "--tool-link right_tool0 takes" in note
 
 
 def imported_notes(folder: Path, text: str) -> list[str]:

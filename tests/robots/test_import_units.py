@@ -144,3 +144,38 @@ def test_endless_limits_are_none(tmp_path: Path) -> None:
     text = re.sub(r'(effort|velocity)="[^"]+"', r'\1="inf"', UR5)
     found = read(text, tmp_path)
     assert all(j.limits.torque_Nm is None and j.limits.speed_deg_s is None for j in found.joints)
+
+
+def test_a_joint_along_gravity_says_nothing_of_units(tmp_path: Path) -> None:
+    """Its 1e-16 Nm were less than a 300th of its limit, the only one that the file stated."""
+    text = re.sub(r' effort="[^"]*"', "", UR5)
+    limited = text.replace("<limit ", '<limit effort="90" ', 1)
+    assert not [note for note in plausibility(read(limited, tmp_path)) if "limits" in note]
+
+
+def test_an_inertia_without_a_mass_is_said_once(tmp_path: Path) -> None:
+    path = tmp_path / "arm.urdf"
+    path.write_text(re.sub('mass value="[^"]*"', 'mass value="0"', UR5, count=4))
+    found = import_robot(path)
+    assert not [note for note in found.notes if "no mass data" in note]
+    assert [note for note in plausibility(found.robot) if "has no mass but an inertia" in note]
+
+
+def test_a_turning_joint_on_a_vehicle_is_asked_about(tmp_path: Path) -> None:
+    """The third joint of a planar base became the first axis of an arm of seven."""
+    path = tmp_path / "arm.urdf"
+    base = ""
+    for name, kind, axis, parent, child in (
+        ("way_x", "prismatic", "1 0 0", "map", "x"),
+        ("way_y", "prismatic", "0 1 0", "x", "y"),
+        ("heading", "continuous", "0 0 1", "y", "base_link"),
+    ):
+        base += f'<link name="{parent}"/><joint name="{name}" type="{kind}"><axis xyz="{axis}"/>'
+        base += f'<parent link="{parent}"/><child link="{child}"/></joint>'
+    path.write_text(UR5.replace("</robot>", f"{base}</robot>"))
+    found = import_robot(path)
+    (said,) = [note for note in found.notes if "turns behind them" in note]
+    assert said.startswith("joint heading turns")
+    assert said.endswith("--base-link base_link")
+    assert found.robot.n == 7
+    assert import_robot(path, base="base_link").robot.n == 6

@@ -263,7 +263,7 @@ def _coupling(
 
 
 def _link(joint: TreeJoint, X: Array, mass: Mass, source: str, notes: list[str]) -> dict[str, Any]:
-    if mass.mass == 0.0:
+    if mass.mass == 0.0 and not mass.tensor.any():
         notes.append(f"link {joint.child}: no mass data in the file: massless here")
     return {
         "name": joint.child,

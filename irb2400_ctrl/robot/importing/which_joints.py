@@ -38,7 +38,7 @@ def end_of_arm(tree: Tree, base: str) -> str:
         except InputError:
             continue
         turns = sum(map(_turns, path))
-        rank = next((len(TIPS) - k for k, t in enumerate(TIPS) if _ends(link, t)), 0)
+        rank = _rank(link)
         path = stood_still(path, [])
         if any(map(_grips, path)):
             continue
@@ -63,6 +63,11 @@ def end_of_arm(tree: Tree, base: str) -> str:
     return chosen[4]
 
 
+def _rank(link: str) -> int:
+    """How telling the name of a link is as the end of an arm; 0 where it says nothing."""
+    return next((len(TIPS) - k for k, words in enumerate(TIPS) if _ends(link, words)), 0)
+
+
 def _ends(link: str, words: str) -> bool:
     """Whether the name of a link ends with these words (`knee` does not end with `ee`)."""
     return re.search(rf"(^|[^A-Za-z]|(?=[A-Z]))(?i:{words})$", link) is not None
@@ -74,6 +79,12 @@ def stood_still(path: list[TreeJoint], notes: list[str]) -> list[TreeJoint]:
     for joint in path[:first]:
         if joint.kind != "fixed":
             notes.append(f"{joint.kind} joint {joint.name} carries the arm: it is held at zero")
+    slides = [joint for joint in path[:first] if joint.kind not in TURNING | {"fixed"}]
+    if len(slides) == 2 and first < len(path):
+        notes.append(
+            f"joint {path[first].name} turns behind them and is counted as the arm's first axis; "
+            f"where it turns a vehicle, begin behind it with --base-link {path[first].child}"
+        )
     held = [replace(joint, kind="fixed", mimics=None) for joint in path[:first]]
     return held + path[first:]
 
@@ -100,9 +111,12 @@ def left_out(tree: Tree, joint: TreeJoint, on_base: bool) -> str:
     """
     arm, wrist = _far_end(tree, joint, grips=False)
     if on_base and arm >= ARM:
+        fixed = [wrist]
+        for link in fixed:
+            fixed += [one.child for one in tree.hanging_on(link) if one.kind == "fixed"]
         return (
             f"the file holds another arm: {arm} joints from {joint.name} on {joint.parent} on; "
-            f"it is left out, --tool-link {wrist} takes it instead"
+            f"it is left out, --tool-link {max(fixed, key=_rank)} takes it instead"
         )
     turns, end = _far_end(tree, joint)
     weight = _weight(tree, joint.child)
