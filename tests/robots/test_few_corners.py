@@ -29,6 +29,11 @@ def test_a_body_of_few_corners_is_around_all_points_and_close() -> None:
         assert len(corners) <= 80
         own = ConvexHull(points, qhull_options="QJ" if name == "flat" else None).equations
         beyond[name] = (corners @ own[:, :3].T + own[:, 3]).max()
+    fine = rng.normal(size=(20_000, 3))
+    fine = 0.1 * fine / np.linalg.norm(fine, axis=1)[:, None]
+    # 6 GB were asked for
+    faces = ConvexHull(few_corners(fine)).equations
+    assert (fine @ faces[:, :3].T + faces[:, 3]).max() <= 1e-12
     assert beyond["few"] < 5e-4
     assert beyond["flat"] < 5e-4
     assert beyond["disc"] < 3e-3

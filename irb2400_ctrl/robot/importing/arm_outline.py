@@ -18,6 +18,10 @@ from irb2400_ctrl.robot.importing.mesh_file import NOWHERE, MeshMissingError
 from irb2400_ctrl.robot.outline import BASE, SPINDLE, TOOL, Outline, Part
 from irb2400_ctrl.robot.shape import Hull, Solid
 
+LARGE = 4.0
+SMALL = 0.01
+"""no shape of a link is larger, nor all of them smaller, measured by the distances between the
+arm's axes"""
 MOST = 6
 """shapes of a body that are kept as they are; more become one convex body"""
 
@@ -55,10 +59,12 @@ def with_outline(
         return robot
     shapes: list[list[Solid]] = [[] for _ in names]
     missing: dict[str, str] = {}
+    frames = [*(link.frame for link in robot.links[1:]), robot.flange]
+    reach = sum(float(np.linalg.norm(frame.matrix()[:3, 3])) for frame in frames)
     for one in drawn:
         for shape in one.shapes:
             try:
-                shapes[one.body].append(shape.shape(one.X, folders))
+                shapes[one.body].append(_on_the_arm(shape, one, folders, reach))
             except MeshMissingError as error:
                 missing[one.link] = str(error.args[0])
             except InputError as error:
@@ -68,6 +74,13 @@ def with_outline(
     if len(bare) == len(names):
         notes.append("the file draws no shape that can be read: the arm has no outline, and what "
                      "it touches is not looked at")  # fmt: skip
+        return robot
+    largest = max([_size(solid) for of_body in shapes[1:] for solid in of_body], default=reach)
+    if largest < SMALL * reach:
+        notes.append(
+            f"the shapes of the links are {1e3 * largest:.2g} mm large at most, on an arm of "
+            f"{reach:.3g} m; is their scale right? The arm has no outline"
+        )
         return robot
     parts = [
         Part.model_validate({"on": name, "shape": shape.model_dump()})
@@ -90,6 +103,29 @@ def _said_of_missing(missing: dict[str, str]) -> list[str]:
     links = ", ".join(missing)
     word = "links" if len(missing) > 1 else "link"
     return [f"{word} {links}: a shape is left out of the outline, {one}" for one in told]
+
+
+def _on_the_arm(shape: Geometry, drawn: Drawn, folders: Sequence[Path], reach: float) -> Solid:
+    """The shape, unless a link of an arm of this reach [m] cannot be so large.
+
+    Args:
+        shape: of the link.
+        drawn: where it is.
+        folders: where meshes are looked for.
+        reach: distances between the arm's axes, one after another [m].
+    """
+    solid = shape.shape(drawn.X, folders)
+    if drawn.body and _size(solid) > LARGE * reach > 0.0:
+        raise InputError(
+            f"{shape.file or shape.kind}: found it {_size(solid):.3g} m large on an arm of "
+            f"{reach:.3g} m, expected metres; is its scale right?"
+        )
+    return solid
+
+
+def _size(shape: Solid) -> float:
+    """Longest edge of the box around it [m]."""
+    return float(np.ptp(shape.corners(), axis=0).max())
 
 
 def _joined(shapes: Sequence[Solid]) -> Hull:

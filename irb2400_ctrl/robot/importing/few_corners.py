@@ -15,6 +15,10 @@ _CLOSE = 1e-3
 """such a body stands out by no more, unless it would need more faces [m]"""
 _SAME = 4
 """digits of normals of the same face"""
+_MOST = 2000
+"""faces to choose from; of more, those of nearly one direction are one"""
+_AT_ONCE = 50
+"""faces that are laid against all points in one go"""
 _DIGIT = 1e-4
 """of a written corner [m]"""
 
@@ -29,7 +33,10 @@ def few_corners(points: Array) -> Array:
     hull = _hull(points)
     points = hull.points[hull.vertices]
     # triangles of one flat side are one face
-    normals = np.unique(hull.equations[:, :3].round(_SAME), axis=0)
+    for digits in range(_SAME, 0, -1):
+        normals = np.unique(hull.equations[:, :3].round(digits), axis=0)
+        if len(normals) <= _MOST:
+            break
     faces = _around(normals / np.linalg.norm(normals, axis=1)[:, None], points)
     middle = points.mean(axis=0)
     axes = np.linalg.svd(points - middle, full_matrices=False)[2]
@@ -48,7 +55,9 @@ def few_corners(points: Array) -> Array:
 
 def _around(normals: Array, points: Array) -> Array:
     """Faces with these normals (m, 3) that touch the points: (m, 4)."""
-    return np.column_stack([normals, -(points @ normals.T).max(axis=0)])
+    parts = np.array_split(normals, 1 + len(normals) // _AT_ONCE)
+    farthest = [(points @ part.T).max(axis=0) for part in parts]
+    return np.column_stack([normals, -np.concatenate(farthest)])
 
 
 def _corners(faces: Array, middle: Array) -> Array:

@@ -89,6 +89,13 @@ def _is_xacro(root: ET.Element) -> bool:
 
 
 def _joint(path: Path, element: ET.Element, geared: Mapping[str, Gear]) -> TreeJoint:
+    """One joint.
+
+    Args:
+        path: of the file, for messages.
+        element: its own.
+        geared: what the transmissions say, by joint.
+    """
     name = _name(path, element, "joint")
     limit = element.find("limit")
     dynamics = element.find("dynamics")
