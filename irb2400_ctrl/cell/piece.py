@@ -11,7 +11,7 @@ from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.cell.description import Cell, CellTool, Thing
 from irb2400_ctrl.cell.mesh import Surface, read_mesh
 from irb2400_ctrl.errors import InputError
-from irb2400_ctrl.robot import Robot, Transform
+from irb2400_ctrl.robot import Body, Robot, Tool, Transform
 from irb2400_ctrl.robot.outline import BASE, SPINDLE, TOOL
 from irb2400_ctrl.robot.shape import Box, Hull, Solid
 from irb2400_ctrl.typed import typed
@@ -101,19 +101,19 @@ def arm_pieces(robot: Robot, tool: CellTool | None = None) -> list[Piece]:
 
 @typed
 def with_tool(robot: Robot, tool: CellTool) -> Robot:
-    """The arm with the TCP at the tip of a tool of the cell.
+    """The arm with the TCP at the tip of a tool of the cell; its mass data are those of the robot
+    file, and an arm that holds nothing there carries no mass.
 
-    Raises:
-        InputError: the robot file has no tool whose TCP the offset could start from.
+    Args:
+        robot: the arm; without a tool the offset starts from its flange.
+        tool: of the cell.
     """
-    if robot.tool is None:
-        raise InputError(
-            f"tool {tool.name}: {robot.name} has no [tool] table, expected one whose TCP the "
-            "offset starts from"
-        )
-    X = robot.X_FT @ tool_offset(tool)
-    tcp = Transform.model_validate({"transform": X.tolist()})
-    return robot.model_copy(update={"tool": robot.tool.model_copy(update={"tcp": tcp})})
+    tcp = Transform.model_validate({"transform": (robot.X_FT @ tool_offset(tool)).tolist()})
+    held = robot.tool
+    if held is None:
+        nothing = Body(mass_kg=0.0, com_m=(0.0,) * 3, inertia_kgm2=(0.0,) * 6)
+        held = Tool(name=tool.name, tcp=tcp, body=nothing, source="the cell: without its mass")
+    return robot.model_copy(update={"tool": held.model_copy(update={"tcp": tcp})})
 
 
 def tool_offset(tool: CellTool) -> Array:

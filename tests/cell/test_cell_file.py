@@ -225,3 +225,14 @@ def test_plan_moves_the_cell_with_the_work_frame(
     found = asked["cell"]
     assert isinstance(found, Cell)
     assert found.work_frame == pytest.approx(pose((700, -300, 400), (0, 0, 40)))
+
+
+def test_a_tool_of_the_cell_on_the_bare_flange_of_an_imported_arm() -> None:
+    """Its file has no [tool], and no cell with a tool was planned in."""
+    bare = load_robot("irb2400").model_copy(update={"tool": None})
+    mill = load_cell(CELL_FILE).tools[0].model_copy(update={"offset_mm": (5.0, 0.0, 80.0)})
+    model = Model(with_tool(bare, mill))
+    q = np.linspace(0.1, 0.6, 6)
+    X = np.linalg.inv(Model(bare).flange_pose(q)) @ model.tcp_pose(q)
+    np.testing.assert_allclose(X[:3, 3], [0.005, 0.0, 0.08], atol=1e-12)
+    np.testing.assert_array_equal(model.gravity(q), Model(bare).gravity(q))
