@@ -29,6 +29,8 @@ IDLE = 1.0 / 300.0
 """and below which, on the joint that feels it most"""
 FELT = 1e-9
 """a joint that feels less of the largest torque stands along gravity [-]"""
+STUCK = 0.5
+"""friction over torque limit above which a joint would hardly move [-]"""
 LONGEST_M = 10.0
 """a link longer than this is more likely a slip of unit [m]"""
 HEAVIEST_KG = 5000.0
@@ -51,6 +53,7 @@ def plausibility(robot: Robot) -> list[str]:
         notes += _body(link.name, link.body, most)
     notes += _masses(robot)
     notes += _beside(robot, reach) or _weight(robot)
+    notes += _friction(robot)
     if robot.tool is not None:
         notes += _body(robot.tool.name, robot.tool.body, most)
     notes += [issue.sentence for issue in check(robot) if issue.kind != "massless"]
@@ -123,16 +126,31 @@ def _weight(robot: Robot) -> list[str]:
     return []
 
 
+def _friction(robot: Robot) -> list[str]:
+    """Joints that have hardly any torque left beside their friction: a simulation's damping."""
+    speed = np.minimum(1.0, [np.radians(j.limits.speed_deg_s or np.inf) for j in robot.joints])
+    torque = robot.friction[:, 1] + robot.friction[:, 2] * speed
+    much = [j for j in range(robot.n) if torque[j] > STUCK * robot.tau_bound[j]]
+    if not much:
+        return []
+    j = much[0]
+    return [
+        f"{', '.join(robot.joints[k].name for k in much)}: friction is most of the torque limit "
+        f"({torque[j]:.3g} of {robot.tau_bound[j]:.3g} Nm at {speed[j]:.2g} rad/s); is it the "
+        "arm's, or damping that keeps a simulation steady?"
+    ]
+
+
 def _masses(robot: Robot) -> list[str]:
     """Links without mass, of which no torque shows the first alone; and placeholders."""
     without = [link.name for link in robot.links[1:] if not _weighs(link.body)]
     if without:
         verb = "have" if len(without) > 1 else "has"
         return [f"{', '.join(without)} {verb} no mass; expected a mass above zero"]
-    if unknown_bodies(robot) and not robot.weightless:
+    if not robot.weightless and (why := unknown_bodies(robot)):
         return [
-            "all links have the same mass data: placeholders, and torques mean nothing with them; "
-            "expected those of the arm (irb2400 identify fits them to logs)"
+            f"{why}: torques mean nothing with them; expected those of the arm (irb2400 identify "
+            "fits them to logs)"
         ]
     return []
 
@@ -141,10 +159,16 @@ def unknown_bodies(robot: Robot) -> str:
     """Why the robot file says nothing of its links' bodies; empty where it does."""
     if robot.weightless:
         return "no link has a mass"
-    bodies = [link.body for link in robot.links]
-    numbers = {(body.mass_kg, tuple(body.com_m), tuple(body.inertia_kgm2)) for body in bodies}
-    same = len(bodies) > 2 and len(numbers) == 1
-    return "all links have the same mass data, placeholders" if same else ""
+    bodies = [
+        (link.body.mass_kg, tuple(link.body.com_m), tuple(link.body.inertia_kgm2))
+        for link in robot.links
+    ]
+    if len(bodies) > 2 and len(set(bodies)) == 1:
+        return "all links have the same mass data, placeholders"
+    # a gripper or a flange is often part of the last
+    if len(bodies) > 3 and len(set(bodies[:-1])) == 1:
+        return "all links but the last have the same mass data, placeholders"
+    return ""
 
 
 def _weighs(body: Body) -> bool:

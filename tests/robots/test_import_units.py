@@ -179,3 +179,24 @@ def test_a_turning_joint_on_a_vehicle_is_asked_about(tmp_path: Path) -> None:
     assert said.endswith("--base-link base_link")
     assert found.robot.n == 7
     assert import_robot(path, base="base_link").robot.n == 6
+
+
+def test_placeholders_with_a_gripper_behind_them_are_placeholders(tmp_path: Path) -> None:
+    """The palm that is fixed to the last link made that one another body."""
+    body = '<inertial><mass value="0.01"/><inertia ixx="1e-3" ixy="0" ixz="0" iyy="1e-3" iyz="0" '
+    body += 'izz="1e-3"/></inertial>'
+    palm = f'<link name="palm">{body}</link><joint name="grip" type="fixed"><parent link="tool0"/>'
+    palm += '<child link="palm"/></joint></robot>'
+    text = re.sub("<inertial>.*?</inertial>", body, UR5, flags=re.DOTALL)
+    found = plausibility(read(text.replace("</robot>", palm), tmp_path))
+    assert any("all links but the last have the same mass data" in note for note in found)
+
+
+def test_damping_that_keeps_a_simulation_steady_is_asked_about(tmp_path: Path) -> None:
+    """180 Nm s/rad on joints of 346 Nm, of a published model of a real arm."""
+    for damping, said in ((5.0, 0), (180.0, 1)):
+        text = UR5.replace("<limit ", f'<dynamics damping="{damping}"/><limit ', 2)
+        text = re.sub('effort="[^"]*"', 'effort="346"', text)
+        notes = [note for note in plausibility(read(text, tmp_path)) if "friction is most" in note]
+        assert len(notes) == said
+        assert all("180 of 346 Nm at 1 rad/s" in note for note in notes)
