@@ -161,6 +161,21 @@ def test_shapes_without_mujoco_say_what_to_install(
     assert read(tmp_path / "arm.xml", mjcf()).robot.n == 6
 
 
+def test_a_tool_that_is_left_out_needs_no_mass_data(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The mesh of a gripper's jaw, or MuJoCo itself, had to be there for it."""
+    jaw = '<body name="jaw"><joint name="jaw"/><geom size=".02" mass=".1"/></body>'
+    text = mjcf().replace("</body>", f"{jaw}</body>", 1)
+    monkeypatch.setitem(sys.modules, "mujoco", None)
+    found = read(tmp_path / "arm.xml", text)
+    plain = read(tmp_path / "plain.xml", mjcf()).robot
+    assert [link.body for link in found.robot.links] == [link.body for link in plain.links]
+    assert any("left out (of unknown weight)" in note for note in found.notes)
+    with pytest.raises(ToolMissingError, match="mass data that the file does not"):
+        import_robot(tmp_path / "arm.xml", tip="jaw")
+
+
 def same_torque(path: Path, robot: irb.Robot) -> None:
     """MuJoCo's own, of the same file, what flies freely left out."""
     mujoco = pytest.importorskip("mujoco")

@@ -228,6 +228,8 @@ def _gather(
 ) -> None:
     """The link and everything that is fixed to it join the last body; the base has no mass data."""
     own = tree.links[link]
+    if chain.masses and link in tree.unknown:
+        raise tree.unknown[link]
     if chain.masses and own is not None:
         chain.masses[-1] = chain.masses[-1].joined(own.seen_from(X))
     if tree.shapes.get(link):

@@ -69,7 +69,7 @@ def read_mjcf(path: Path, root: ET.Element) -> Tree:
     for world in worlds:
         frames.dissolve(world)
     reader.notes += held(root)
-    reader.made = made_masses(path, root, settings, of_masses)
+    reader.made, reader.unmade = made_masses(path, root, settings, of_masses)
     reader.bodies = {str(body.get("name")) for body in root.iter("body")}
     reader.hinges = {str(joint.get("name")) for joint in root.iter("joint")}
     for world in worlds:
@@ -91,7 +91,8 @@ def read_mjcf(path: Path, root: ET.Element) -> Tree:
     notes += of_options
     name = root.get("model") or path.stem
     return Tree(name, f"imported from {path.name} (MJCF)", reader.links, tuple(reader.joints),
-                gravity, True, tuple(notes), reader.shapes, drawn=True)  # fmt: skip
+                gravity, True, tuple(notes), reader.shapes, unknown=reader.unknown,
+                drawn=True)  # fmt: skip
 
 
 def _options(path: Path, root: ET.Element) -> tuple[tuple[float, float, float], list[str]]:
@@ -135,6 +136,9 @@ class _Reader:
     notes: list[str] = field(default_factory=list)
     free: list[str] = field(default_factory=list)
     made: Made = field(default_factory=dict)
+    unmade: dict[ET.Element, InputError] = field(default_factory=dict)
+    unknown: dict[str, InputError] = field(default_factory=dict)
+    """why the mass data of a link are not known"""
     meshes: dict[str, Geometry] = field(default_factory=dict)
     shapes: dict[str, tuple[Geometry, ...]] = field(default_factory=dict)
 
@@ -246,6 +250,8 @@ class _Reader:
     def _mass(self, element: ET.Element, name: str, here: Array) -> Mass | None:
         if element in self.made:
             return self.made[element].seen_from(here)
+        if element in self.unmade:
+            self.unknown[name] = self.unmade[element]
         inertial = element.find("inertial")
         if inertial is None:
             return None

@@ -21,8 +21,11 @@ Made = dict[ET.Element, Mass]
 """of a body, in its frame"""
 
 
-def made_masses(path: Path, root: ET.Element, settings: Settings, notes: list[str]) -> Made:
-    """Mass data as MuJoCo makes them, of every body; empty where the file states all there are.
+def made_masses(
+    path: Path, root: ET.Element, settings: Settings, notes: list[str]
+) -> tuple[Made, dict[ET.Element, InputError]]:
+    """Mass data as MuJoCo makes them, of every body; empty where the file states all there are. And
+    why there are none of a body that has shapes alone: a tool that is left out needs none.
 
     Args:
         path: of the file; meshes are looked for beside it.
@@ -31,17 +34,26 @@ def made_masses(path: Path, root: ET.Element, settings: Settings, notes: list[st
         notes: where it is said whose mass data are made.
 
     Raises:
-        InputError: MuJoCo does not take the file; says why.
-        ToolMissingError: they have to be made, and MuJoCo is not installed.
+        InputError: the compiler changes those of all bodies, and MuJoCo does not take the file.
+        ToolMissingError: or is not installed.
     """
     changed = [key for key in CHANGES_MASSES if _above_zero(settings.get(key))]
     changed += [key for key in MAKES_MASSES if settings.get(key) == "true"]
     shaped = [
-        str(body.get("name"))
+        body
         for world in root.findall("worldbody")
-        for body in world.findall("body")
-        for body in _weighed_by_shape(body)
+        for top in world.findall("body")
+        for body in _weighed_by_shape(top)
     ]
+    if not changed and not shaped:
+        return {}, {}
+    warned: list[str] = []
+    try:
+        made = _made(path, root, warned)
+    except InputError as error:
+        if changed:
+            raise
+        return {}, dict.fromkeys(shaped, error)
     if changed:
         notes.append(
             f"the compiler's {changed[0]} = {settings[changed[0]]!r} makes other mass data than "
@@ -49,17 +61,17 @@ def made_masses(path: Path, root: ET.Element, settings: Settings, notes: list[st
         )
     if shaped:
         notes += [
-            f"link {name}: the file states no mass data; they are those of its shapes, as MuJoCo "
-            "makes them (1000 kg/m3 where no density is stated): a guess, identify them"
-            for name in shaped
+            f"link {body.get('name')}: the file states no mass data; they are those of its shapes, "
+            "as MuJoCo makes them (1000 kg/m3 where no density is stated): a guess, identify them"
+            for body in shaped
         ]
-    return _made(path, root, notes) if changed or shaped else {}
+    notes += [f"MuJoCo says of the file: {text}" for text in warned]
+    return made, {}
 
 
-def _made(path: Path, root: ET.Element, notes: list[str]) -> Made:
+def _made(path: Path, root: ET.Element, warned: list[str]) -> Made:
     mujoco = needed("mujoco", "mjcf", f"{path}: mass data that the file does not state")
     # left alone, MuJoCo appends what it has to say to a file in the working directory
-    warned: list[str] = []
     before = mujoco.get_mju_user_warning()
     mujoco.set_mju_user_warning(warned.append)
     try:
@@ -72,7 +84,6 @@ def _made(path: Path, root: ET.Element, notes: list[str]) -> Made:
         ) from error
     finally:
         mujoco.set_mju_user_warning(before)
-    notes += [f"MuJoCo says of the file: {text}" for text in warned]
     bodies = list(root.iter("body"))
     found: Made = {}
     for k, body in enumerate(bodies, 1):

@@ -98,6 +98,8 @@ class Tree:
     """what the file draws on a link"""
     folders: tuple[Path, ...] = ()
     """where meshes are looked for"""
+    unknown: dict[str, InputError] = field(default_factory=dict)
+    """why the mass data of a link are not known: no arm can have it"""
     drawn: bool = False
     """whether its bodies are those of somebody's model, not a maker's numbers in a table"""
 

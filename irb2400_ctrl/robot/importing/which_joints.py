@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from dataclasses import replace
 
@@ -119,12 +120,13 @@ def left_out(tree: Tree, joint: TreeJoint, on_base: bool) -> str:
             f"it is left out, --tool-link {max(fixed, key=_rank)} takes it instead"
         )
     turns, end = _far_end(tree, joint)
-    weight = _weight(tree, joint.child)
+    kg = _weight(tree, joint.child)
+    weight = "of unknown weight" if math.isnan(kg) else f"{kg:.3g} kg"
     kind = f"follows {joint.mimics}, mimic" if joint.mimics else joint.kind
     what = "it as a joint" if turns == 1 else f"its {turns} joints"
     return (
         f"joint {joint.name} ({kind}) on {joint.parent} is not on the chain: it and what "
-        f"hangs on it are left out ({weight:.3g} kg); give it as a payload if it is carried"
+        f"hangs on it are left out ({weight}); give it as a payload if it is carried"
         + (f", or take {what} (--tool-link {end})" * (_turns(joint) and turns > 0))
     )
 
@@ -149,6 +151,9 @@ def _grips(joint: TreeJoint) -> bool:
 
 
 def _weight(tree: Tree, link: str) -> float:
+    """Of a link and all that hangs on it [kg]; no number where one of them is not known."""
+    if link in tree.unknown:
+        return math.nan
     own = tree.links[link]
     return (0.0 if own is None else own.mass) + sum(
         _weight(tree, joint.child) for joint in tree.hanging_on(link)
