@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from irb2400_ctrl import errors, load_robot
+from irb2400_ctrl.cell import Scene, load_cell
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.planners import LinkOptions, builders, plan_path, plan_program, read_program
 from irb2400_ctrl.planners.linking.clearance_plane import ClearancePlane
@@ -96,6 +97,22 @@ def test_a_move_that_cannot_stay_above_is_refused() -> None:
     )
     with pytest.raises(errors.UnreachableError, match="below the clearance plane"):
         raised_path(Model(narrow), q, other, plane(float(height)))
+
+
+def test_an_arm_that_touches_something_where_it_stands_is_told_so(tmp_path: Path) -> None:
+    """It was the move that touched, and every bent one: another --clearance was no help."""
+    inside = np.radians([0.0, 40, 20, 0, 10, 0])
+    at = (1e3 * MODEL.tcp_pose(inside)[:3, 3]).tolist()
+    box = f'shapes = [{{ kind = "box", centre_mm = {at}, size_mm = [300, 300, 300] }}]'
+    file = tmp_path / "cell.toml"
+    file.write_text(f'name = "c"\n[[things]]\nname = "press"\nrole = "obstacle"\n{box}\n')
+    scene = Scene.of(MODEL, ROBOT, load_cell(file))
+    for ends in ((inside, np.zeros(6)), (np.zeros(6), inside)):
+        with pytest.raises(errors.CollisionError, match=r"press touch where .* at 0, 40, 20, 0"):
+            raised_path(MODEL, *ends, plane(-1.0), scene)
+    aside = np.array([1.0, 0, 0, 0, 0, 0])
+    way = raised_path(MODEL, inside - aside, inside + aside, plane(-1.0), scene)
+    assert np.abs(way.coefficients[2]).max() > 0
 
 
 def test_options_that_cannot_be() -> None:

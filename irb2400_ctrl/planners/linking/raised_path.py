@@ -66,6 +66,7 @@ def raised_path(
                     return path
             bend = _GROWTH * bend
     if touched is not None:
+        _stands_free(scene, q_from, q_to)
         first, other = touched.pair
         raise CollisionError(
             f"the move of the joints between two operations brings {first} and {other} together, "
@@ -78,6 +79,19 @@ def raised_path(
         "the clearance plane, and no bent one inside the joint box stays above it; move the work "
         "frame, or give another --clearance or --start"
     )
+
+
+def _stands_free(scene: Scene | None, *ends: Array) -> None:
+    """Raise a CollisionError where the arm touches something before it moves at all."""
+    for q in ends:
+        touched = touching(scene, _parabola(q, q, np.zeros_like(q)))
+        if touched is not None:
+            first, other = touched.pair
+            angles = ", ".join(f"{angle:.4g}" for angle in np.degrees(q))
+            raise CollisionError(
+                f"{first} and {other} touch where a move of the joints begins or ends, at {angles} "
+                "deg; give another --start, or look whether the cell is where it should be"
+            )
 
 
 def touching(scene: Scene | None, path: JointPath) -> Clearance | None:
