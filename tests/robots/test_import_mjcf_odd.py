@@ -189,3 +189,11 @@ def test_an_arm_on_what_flies_is_held_where_the_file_shows_it(tmp_path: Path, fr
     path.write_text(ARM.replace(arm, cube))
     with pytest.raises(InputError, match="found no body on a base; cube flies freely"):
         import_robot(path)
+
+
+def test_notes_name_bodies_of_the_file(tmp_path: Path) -> None:
+    """A finger hung on "b3_frame", which is nowhere in the file."""
+    finger = f'<body name="tip"><joint name="finger" type="slide"/>{BODY}</body>'
+    path = tmp_path / "arm.xml"
+    path.write_text(ARM.replace('<site name="tcp"', f'{finger}<site name="tcp"'))
+    assert any("joint finger (prismatic) on b3 is" in note for note in import_robot(path).notes)

@@ -174,7 +174,8 @@ class _Reader:
         self.shapes[name] = self._shapes(element, name, kind, here)
         self._sites(element, name, kind, here)
         inside = element.findall("body")
-        if inside:
+        moved = name
+        if inside and not np.array_equal(here, np.eye(4)):
             # the frame of the body, seen from the frame in its joint's point
             moved = self._link(f"{name}_frame")
             self.links[moved] = None
