@@ -197,3 +197,32 @@ def test_notes_name_bodies_of_the_file(tmp_path: Path) -> None:
     path = tmp_path / "arm.xml"
     path.write_text(ARM.replace('<site name="tcp"', f'{finger}<site name="tcp"'))
     assert any("joint finger (prismatic) on b3 is" in note for note in import_robot(path).notes)
+
+
+@pytest.mark.parametrize(
+    "beside",
+    [
+        '<body name="door"><joint name="hinge"/><geom size=".1" mass="9"/></body>',
+        '<body name="marker" mocap="true"><geom size=".1"/></body>',
+    ],
+)
+def test_what_stands_beside_the_arm_is_none_of_it(tmp_path: Path, beside: str) -> None:
+    """The mass data of a door were "a guess, identify them", a marker the space of the base."""
+    pytest.importorskip("mujoco")
+    path = tmp_path / "arm.xml"
+    path.write_text(ARM)
+    plain = import_robot(path)
+    path.write_text(ARM.replace("<worldbody>", f"<worldbody>{beside}"))
+    found = import_robot(path)
+    assert found.robot == plain.robot
+    more = [note for note in found.notes if note not in plain.notes]
+    assert len(more) == 1
+    assert "left out" in more[0]
+
+
+@pytest.mark.parametrize(("given", "said"), [("0.0", False), ("0.5", True)])
+def test_no_weight_compensated_is_none(tmp_path: Path, given: str, said: bool) -> None:
+    path = tmp_path / "arm.xml"
+    path.write_text(ARM.replace('name="b2"', f'name="b2" gravcomp="{given}"'))
+    notes = import_robot(path).notes
+    assert any("link b2: its weight acts on the motors" in note for note in notes) == said

@@ -228,8 +228,8 @@ def _gather(
 ) -> None:
     """The link and everything that is fixed to it join the last body; the base has no mass data."""
     own = tree.links[link]
-    if chain.masses and link in tree.unknown:
-        raise tree.unknown[link]
+    if chain.masses and link in tree.guessed:
+        notes.append(_of_shapes(tree, link))
     if chain.masses and own is not None:
         chain.masses[-1] = chain.masses[-1].joined(own.seen_from(X))
     if tree.shapes.get(link):
@@ -241,6 +241,17 @@ def _gather(
             _gather(tree, joint.child, X @ joint.X, on_path, chain, notes)
         else:
             notes.append(left_out(tree, joint, not chain.masses))
+
+
+def _of_shapes(tree: Tree, link: str) -> str:
+    """A note on a link whose mass data the file does not state, or why the arm cannot be had."""
+    why = tree.guessed[link]
+    if why is not None:
+        raise why
+    return (
+        f"link {link}: the file states no mass data; they are those of its shapes, as MuJoCo makes "
+        "them (1000 kg/m3 where no density is stated): a guess, identify them"
+    )
 
 
 def _coupling(

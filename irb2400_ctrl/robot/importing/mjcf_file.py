@@ -69,7 +69,7 @@ def read_mjcf(path: Path, root: ET.Element) -> Tree:
     for world in worlds:
         frames.dissolve(world)
     reader.notes += held(root)
-    reader.made, reader.unmade = made_masses(path, root, settings, of_masses)
+    reader.made, reader.shaped = made_masses(path, root, settings, of_masses)
     reader.bodies = {str(body.get("name")) for body in root.iter("body")}
     reader.hinges = {str(joint.get("name")) for joint in root.iter("joint")}
     for world in worlds:
@@ -85,13 +85,17 @@ def read_mjcf(path: Path, root: ET.Element) -> Tree:
              if root.find(tag) is not None]  # fmt: skip
     notes += [*of_masses, *reader.notes]
     notes += [f"body {name} flies freely: it is left out" for name in reader.free]
-    light = [str(b.get("name")) for b in root.iter("body") if b.get("gravcomp", "0") != "0"]
+    light = [
+        str(body.get("name"))
+        for body in root.iter("body")
+        if first_number(f"{path}: gravcomp", body.get("gravcomp", "0"))
+    ]
     notes += [f"link {name}: its weight acts on the motors here (gravcomp)" for name in light]
     gravity, of_options = _options(path, root)
     notes += of_options
     name = root.get("model") or path.stem
     return Tree(name, f"imported from {path.name} (MJCF)", reader.links, tuple(reader.joints),
-                gravity, True, tuple(notes), reader.shapes, unknown=reader.unknown,
+                gravity, True, tuple(notes), reader.shapes, guessed=reader.guessed,
                 drawn=True)  # fmt: skip
 
 
@@ -136,9 +140,9 @@ class _Reader:
     notes: list[str] = field(default_factory=list)
     free: list[str] = field(default_factory=list)
     made: Made = field(default_factory=dict)
-    unmade: dict[ET.Element, InputError] = field(default_factory=dict)
-    unknown: dict[str, InputError] = field(default_factory=dict)
-    """why the mass data of a link are not known"""
+    shaped: dict[ET.Element, InputError | None] = field(default_factory=dict)
+    guessed: dict[str, InputError | None] = field(default_factory=dict)
+    """links whose mass data are those of their shapes, or why there are none"""
     meshes: dict[str, Geometry] = field(default_factory=dict)
     shapes: dict[str, tuple[Geometry, ...]] = field(default_factory=dict)
 
@@ -249,10 +253,10 @@ class _Reader:
         )
 
     def _mass(self, element: ET.Element, name: str, here: Array) -> Mass | None:
+        if element in self.shaped:
+            self.guessed[name] = self.shaped[element]
         if element in self.made:
             return self.made[element].seen_from(here)
-        if element in self.unmade:
-            self.unknown[name] = self.unmade[element]
         inertial = element.find("inertial")
         if inertial is None:
             return None

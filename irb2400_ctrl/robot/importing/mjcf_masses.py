@@ -23,15 +23,16 @@ Made = dict[ET.Element, Mass]
 
 def made_masses(
     path: Path, root: ET.Element, settings: Settings, notes: list[str]
-) -> tuple[Made, dict[ET.Element, InputError]]:
+) -> tuple[Made, dict[ET.Element, InputError | None]]:
     """Mass data as MuJoCo makes them, of every body; empty where the file states all there are. And
-    why there are none of a body that has shapes alone: a tool that is left out needs none.
+    which bodies have shapes alone, with the reason where there are no mass data of them: a tool
+    that is left out needs none.
 
     Args:
         path: of the file; meshes are looked for beside it.
         root: with included files in their places.
         settings: of the compiler.
-        notes: where it is said whose mass data are made.
+        notes: where it is said why those of all bodies are made.
 
     Raises:
         InputError: the compiler changes those of all bodies, and MuJoCo does not take the file.
@@ -59,14 +60,8 @@ def made_masses(
             f"the compiler's {changed[0]} = {settings[changed[0]]!r} makes other mass data than "
             "the file states: they are MuJoCo's"
         )
-    if shaped:
-        notes += [
-            f"link {body.get('name')}: the file states no mass data; they are those of its shapes, "
-            "as MuJoCo makes them (1000 kg/m3 where no density is stated): a guess, identify them"
-            for body in shaped
-        ]
     notes += [f"MuJoCo says of the file: {text}" for text in warned]
-    return made, {}
+    return made, dict.fromkeys(shaped)
 
 
 def _made(path: Path, root: ET.Element, warned: list[str]) -> Made:

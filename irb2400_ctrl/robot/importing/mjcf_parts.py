@@ -54,9 +54,10 @@ def spliced(path: Path, root: ET.Element, folders: tuple[Path, ...] = ()) -> Non
 
 
 def flies(body: ET.Element) -> bool:
-    """Whether a body flies freely."""
+    """Whether a body flies freely, or is moved by hand."""
     kinds = {joint.get("type") for joint in body.findall("joint")}
-    return body.find("freejoint") is not None or "free" in kinds
+    free = body.find("freejoint") is not None or "free" in kinds
+    return free or body.get("mocap") == "true"
 
 
 def held(root: ET.Element) -> list[str]:
@@ -71,6 +72,7 @@ def held(root: ET.Element) -> list[str]:
             continue
         for free in [*body.findall("freejoint"), *body.findall("joint")]:
             body.remove(free)
+        body.attrib.pop("mocap", None)
         notes.append(
             f"body {body.get('name')} flies freely and carries the arm: it is held where the file "
             "shows it"

@@ -98,8 +98,9 @@ class Tree:
     """what the file draws on a link"""
     folders: tuple[Path, ...] = ()
     """where meshes are looked for"""
-    unknown: dict[str, InputError] = field(default_factory=dict)
-    """why the mass data of a link are not known: no arm can have it"""
+    guessed: dict[str, InputError | None] = field(default_factory=dict)
+    """links whose mass data the file does not state: those of their shapes, or why there are none
+    and no arm can have it"""
     drawn: bool = False
     """whether its bodies are those of somebody's model, not a maker's numbers in a table"""
 

@@ -152,7 +152,7 @@ def _grips(joint: TreeJoint) -> bool:
 
 def _weight(tree: Tree, link: str) -> float:
     """Of a link and all that hangs on it [kg]; no number where one of them is not known."""
-    if link in tree.unknown:
+    if tree.guessed.get(link) is not None:
         return math.nan
     own = tree.links[link]
     return (0.0 if own is None else own.mass) + sum(
