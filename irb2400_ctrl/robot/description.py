@@ -302,7 +302,7 @@ class Robot(Table):
         return [f"{term} of {who} is unknown: {instead}"] if names else []
 
     def with_effects(self, *effects: AnyEffect) -> Robot:
-        """This robot with further effects, validated."""
+        """This robot with further effects, on which nothing is checked anew."""
         return self.model_copy(update={"effects": (*self.effects, *effects)})
 
     def bare(self) -> Robot:
