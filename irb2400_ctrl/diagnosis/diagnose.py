@@ -12,7 +12,6 @@ import numpy.typing as npt
 from irb2400_ctrl.arrays import Array, one_thread, rms
 from irb2400_ctrl.diagnosis.at_rest import WORSE_AT_REST
 from irb2400_ctrl.diagnosis.bent_numbers import BENT, beside_noise
-from irb2400_ctrl.diagnosis.comparison.acceptance import INFLATION
 from irb2400_ctrl.diagnosis.comparison.criteria import Criteria
 from irb2400_ctrl.diagnosis.comparison.scan import Scan
 from irb2400_ctrl.diagnosis.comparison.selection import Selection
@@ -277,7 +276,6 @@ def _concluded(
         fit,
         later,
         change=change,
-        inflation=INFLATION,
         friction_counts=_better_with_numbers(motion, given, augmented, change),
     )
     if any(one.name in BODY for one in told) and turns_impossible(given, recalibrated):

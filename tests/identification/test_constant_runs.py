@@ -33,7 +33,7 @@ def test_the_grid_is_that_of_the_paper() -> None:
         np.testing.assert_allclose(steps[inside], step, rtol=1e-6)
     assert grid[0] == pytest.approx(1e-5)
     assert grid[-1] == pytest.approx(0.5)
-    few = few_speeds(14)
+    few = few_speeds()
     assert (np.diff(few) > 0).all()
     assert (few < 0.015).sum() >= 6
 
