@@ -40,7 +40,7 @@ def as_packaged(controller: Block, values: Values, run: Callable[..., Values]) -
 
     Args:
         controller: whose step it is.
-        values: states, inputs and parameters by name, `c_` before it.
+        values: its states, inputs and parameters, each name behind `c_`.
         run: makes the plain step.
     """
     control = run(controller, "c_", values)
