@@ -10,7 +10,7 @@ import numpy as np
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.cell import Scene
 from irb2400_ctrl.planners.certify import certify_joints
-from irb2400_ctrl.planners.clearance.clearance import unknown
+from irb2400_ctrl.planners.clearance.clearance import entry, unknown
 from irb2400_ctrl.planners.enclosure.path_dynamics import PathDynamics, path_dynamics
 from irb2400_ctrl.planners.enclosure.tcp_path import TcpPath
 from irb2400_ctrl.planners.linking.clearance_plane import ClearancePlane
@@ -108,16 +108,8 @@ def plan_joints(
         max_velocity_ratio=bounds.velocity_ratio,
         max_acceleration_ratio=bounds.acceleration_ratio,
         lowest=lowest(tcp, plane),
-        clearance=_clearance(scene, tcp),
+        clearance=entry(clearance_of(scene, joints), tcp.way),
     )
-
-
-def _clearance(scene: Scene | None, tcp: TcpPath) -> dict[str, Any]:
-    """The entry `clearance_mm`."""
-    found = clearance_of(scene, tcp.joints)
-    if found is None:
-        return unknown("the robot file has no [outline], the space that the arm takes up")
-    return found.summary(float(tcp.way(found.s)))
 
 
 def _timed(dynamics: PathDynamics, task: TaskPath, timing: TimingOptions) -> TimeLaw:
