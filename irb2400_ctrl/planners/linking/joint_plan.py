@@ -19,11 +19,10 @@ from irb2400_ctrl.planners.plan_report import law_rows
 from irb2400_ctrl.planners.redundancy.follow import Followed
 from irb2400_ctrl.planners.timing.certificate import Certificate
 from irb2400_ctrl.planners.timing.infeasible_point import InfeasiblePointError
-from irb2400_ctrl.planners.timing.rate_limited.time_rate_limited import time_rate_limited
 from irb2400_ctrl.planners.timing.sampled_reference import SampledReference
 from irb2400_ctrl.planners.timing.sampled_reference.interpolation import Interpolation
 from irb2400_ctrl.planners.timing.task_path import TaskPath
-from irb2400_ctrl.planners.timing.time_choices import fastest, settled_law
+from irb2400_ctrl.planners.timing.time_choices import fastest, rate_limited, settled_law
 from irb2400_ctrl.planners.timing.time_law import TimeLaw
 from irb2400_ctrl.planners.timing.timing_options import TimingOptions
 from irb2400_ctrl.robot import Robot
@@ -118,14 +117,7 @@ def _timed(dynamics: PathDynamics, task: TaskPath, timing: TimingOptions) -> Tim
     if not timing.limits.smooth:
         return first
     try:
-        return time_rate_limited(
-            dynamics,
-            task.joints,
-            timing.limits,
-            count=max(timing.cells // 2, 50),
-            sampling=timing.sampling,
-            feed_ratios=task.feed_ratios,
-        ).law
+        return rate_limited(dynamics, task, timing)
     except InfeasiblePointError:
         if timing.rates_stated:
             raise
