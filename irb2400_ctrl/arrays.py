@@ -47,6 +47,19 @@ def rotation_about(index: int, angle: float) -> Array:
     return R
 
 
+def rotations_about(axis: Array, angle: Array | float) -> Array:
+    """Rotations about a unit vector (3,) by angles (...,) [rad] (Rodrigues), shape (..., 3, 3)."""
+    K = np.cross(np.eye(3), axis)
+    a = np.asarray(angle)[..., None, None]
+    return np.asarray(np.eye(3) + np.sin(a) * K + (1 - np.cos(a)) * (K @ K))
+
+
+def rotation_onto(a: Array, b: Array) -> Array:
+    """The smallest rotation of a unit vector onto another, not its opposite, shape (3, 3)."""
+    K = np.cross(np.eye(3), np.cross(a, b))
+    return np.asarray(np.eye(3) + K + K @ K / (1 + float(a @ b)))
+
+
 def are_rotations(R: Array, within: float = 1e-6) -> Mask:
     """Which of the matrices (..., 3, 3) are rotations: R R^T = 1, det R = 1."""
     square = np.abs(R @ np.swapaxes(R, -1, -2) - np.eye(3)).max(axis=(-2, -1)) <= within

@@ -16,7 +16,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.arrays import Array, rotations_about
 
 RAIL = ("rail",)
 TABLE = ("tilt", "turn")
@@ -184,17 +184,14 @@ class ExternalAxes:
         return gap if j == i else gap + self._away(foot, j + 1, i)
 
     def _turn(self, i: int, angle: Array) -> Array:
-        """Turns about one axis, shape (m, 4, 4) (Rodrigues); shifts along a rail."""
+        """Turns about one axis, shape (m, 4, 4); shifts along a rail."""
         k = self.direction[i]
         if i < self.slides:
             shifted = np.tile(np.eye(4), (len(angle), 1, 1))
             shifted[:, :3, 3] = angle[:, None] * k
             return shifted
-        K = np.array([[0, -k[2], k[1]], [k[2], 0, -k[0]], [-k[1], k[0], 0]])
         X = np.zeros((len(angle), 4, 4))
-        s = np.sin(angle)[:, None, None]
-        c = np.cos(angle)[:, None, None]
-        X[:, :3, :3] = np.eye(3) + s * K + (1 - c) * (K @ K)
+        X[:, :3, :3] = rotations_about(k, angle)
         X[:, :3, 3] = self.point[i] - X[:, :3, :3] @ self.point[i]
         X[:, 3, 3] = 1.0
         return X

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from pydantic import Field, model_validator
 
-from irb2400_ctrl.arrays import Array, is_pose
+from irb2400_ctrl.arrays import Array, is_pose, rotations_about
 from irb2400_ctrl.cell.external_axes import TABLE as AXES
 from irb2400_ctrl.cell.external_axes import ExternalAxes
 from irb2400_ctrl.errors import InputError
@@ -58,9 +58,8 @@ class PositionerAxis(Table):
     def motion(self, angle: float) -> Array:
         """Turn by `angle` [rad] about the axis, shape (4, 4)."""
         k = np.array(self.direction) / np.linalg.norm(self.direction)
-        K = np.array([[0, -k[2], k[1]], [k[2], 0, -k[0]], [-k[1], k[0], 0]])
         X = np.eye(4)
-        X[:3, :3] += np.sin(angle) * K + (1 - np.cos(angle)) * K @ K
+        X[:3, :3] = rotations_about(k, angle)
         X[:3, 3] = (np.eye(3) - X[:3, :3]) @ np.array(self.point_m)
         return X
 

@@ -262,5 +262,5 @@ def _print_torque_differences(arm: Robot, other: Robot) -> None:
 
     head = "torque difference to the file as given, largest on standard motions [Nm]"
     print(f"{head}\n{'joint':<24}" + " ".join(f"{j:>8}" for j in range(1, 1 + arm.n)))
-    for found in torque_differences(arm, other):
-        print(f"{found.motion:<24}" + " ".join(f"{value:8.3f}" for value in found.largest))
+    for motion, largest in torque_differences(arm, other).items():
+        print(f"{motion:<24}" + " ".join(f"{value:8.3f}" for value in largest))

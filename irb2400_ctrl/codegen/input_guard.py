@@ -31,9 +31,7 @@ def input_guard(block: Block, graph: Graph) -> str:
     """
     types = f"const {block.name}_input_t *input", f"const {block.name}_parameters_t *parameters"
     free = [f for f in block.inputs if not (f.judged or (f.lower and f.upper))]
-    finite = finite_fields_function(
-        "inputs_are_finite", types[0].replace("const", "const volatile"), free
-    )
+    finite = inputs_are_finite(types[0].replace("const", "const volatile"), free)
     early = _early(block, graph)
     last = []
     if early:
@@ -129,19 +127,14 @@ def finite_function(name: str, argument: str, terms: Sequence[str]) -> str:
     )
 
 
-def finite_fields_function(name: str, argument: str, fields: Sequence[Field]) -> str:
+def inputs_are_finite(argument: str, fields: Sequence[Field]) -> str:
     """The same for whole fields, in loops: for the cold path, where size counts and time does not.
 
     The argument is a pointer to volatile: the compiler shall read the fields again, instead of
     carrying all of them through the step in case they are asked for.
-
-    Args:
-        name: of the predicate.
-        argument: its declaration in C.
-        fields: that are summed.
     """
     if not fields:
-        return finite_function(name, argument, ())
+        return finite_function("inputs_are_finite", argument, ())
     loops = "".join(
         f"    for (uint32_t i = 0u; i < {size}u; i++) {{\n"
         + "".join(f"        sum = sum + input->{f.name}[i];\n" for f in fields if f.size == size)
@@ -149,7 +142,7 @@ def finite_fields_function(name: str, argument: str, fields: Sequence[Field]) ->
         for size in sorted({f.size for f in fields})
     )
     return (
-        f"static inline bool {name}({argument})\n{{\n    real_t sum = R(0.0);\n{loops}"
+        f"static inline bool inputs_are_finite({argument})\n{{\n    real_t sum = R(0.0);\n{loops}"
         "    return (sum - sum) == R(0.0);\n}\n"
     )
 

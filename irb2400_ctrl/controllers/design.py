@@ -88,9 +88,13 @@ def place_poles(
     z = exp(s T); delay and speed filter are not part of the placement but of the margins.
 
     Args:
-        timing: sample time, delay and speed filter [s]; default those of the design.
         bandwidth: w [rad/s].
         damping: zeta [-].
+        timing: of the loop; default that of the simulated drive.
+
+    Raises:
+        InputError: a number that is not positive.
+        InfeasibleError: unstable with delay and filters.
     """
     import control
 
@@ -117,10 +121,13 @@ def lqr(
     rule).
 
     Args:
-        timing: sample time, delay and speed filter [s]; default those of the design.
         position_error: e0 [rad].
         acceleration: a0 [rad/s2].
         speed_error: v0 [rad/s].
+        timing: of the loop; default that of the simulated drive.
+
+    Raises:
+        InputError, InfeasibleError: as `place_poles`.
     """
     import control
 
@@ -143,13 +150,13 @@ def shape_loop(crossover: float, phase_margin: float, timing: Timing | None = No
     asked for, exactly.
 
     Args:
-        timing: sample time, delay and speed filter [s]; default those of the design.
         crossover: w [rad/s].
         phase_margin: [rad].
+        timing: of the loop; default that of the simulated drive.
 
     Raises:
         InputError: a crossover that samples do not show, or a margin that is none.
-        InfeasibleError: delay and filter leave no PD law with that margin; says how much there is.
+        InfeasibleError: delay and filters leave no PD law with that margin; says how much there is.
     """
     timing = timing or Timing()
     fastest = np.pi / timing.sample_time

@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 
 from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.diagnosis.comparison.acceptance import INFLATION
 from irb2400_ctrl.diagnosis.estimation.fit import Fit, Fitter
 from irb2400_ctrl.diagnosis.estimation.posterior import Posterior
 from irb2400_ctrl.diagnosis.preparation.base_prior import BasePrior
@@ -72,13 +73,9 @@ class BodyEstimates:
 
 
 def body_estimates(
-    prior: BasePrior | IdentifiedPrior, fitter: Fitter, fit: Fit, place: int, inflation: float
+    prior: BasePrior | IdentifiedPrior, fitter: Fitter, fit: Fit, place: int
 ) -> BodyEstimates | None:
-    """Of the effect at a place of the fit; None if it is no body.
-
-    Args:
-        inflation: of standard errors that follow from the noise alone.
-    """
+    """Of the effect at a place of the fit; None if it is no body."""
     effect: Any = fit.effects[place]
     if effect.acts != "parameters" or not hasattr(effect, "com_m"):
         return None
@@ -96,13 +93,12 @@ def body_estimates(
     start = np.array([effect.mass_kg, *effect.com_m])
     bases = (fit.Z[:, :, :own], motion.filtered(_without_bodies(prior, fitter)))
     robust, given = (
-        _estimate(fit, Y, np.concatenate([base, beside], axis=2), start, inflation)
-        for base in bases
+        _estimate(fit, Y, np.concatenate([base, beside], axis=2), start) for base in bases
     )
     return BodyEstimates(robust, given)
 
 
-def _estimate(fit: Fit, Y: Array, Z: Array, start: Array, inflation: float) -> BodyEstimate:
+def _estimate(fit: Fit, Y: Array, Z: Array, start: Array) -> BodyEstimate:
     """Gauss-Newton on mass and centre, the inertia and everything else (unit priors) with them."""
     usual = abs(start[0]) * GYRATION**2
     J = usual * DIAGONAL
@@ -119,7 +115,7 @@ def _estimate(fit: Fit, Y: Array, Z: Array, start: Array, inflation: float) -> B
         b = found.mean
         numbers = numbers + b[:4] * WIDE
         J = usual * DIAGONAL + b[4:10] * spread
-    errors = inflation * np.sqrt(np.diag(found.covariance)[:4]) * WIDE
+    errors = INFLATION * np.sqrt(np.diag(found.covariance)[:4]) * WIDE
     trace = max(float(J @ DIAGONAL), 0.0)
     gyration = float(np.sqrt(trace / 3.0 / max(abs(numbers[0]), 1e-9)))
     return BodyEstimate(float(numbers[0]), numbers[1:], gyration, errors)

@@ -7,12 +7,10 @@ from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
-import numpy.typing as npt
 
-from irb2400_ctrl.arrays import Array, one_thread, rms
+from irb2400_ctrl.arrays import Array, Mask, one_thread, rms
 from irb2400_ctrl.diagnosis.at_rest import WORSE_AT_REST
 from irb2400_ctrl.diagnosis.bent_numbers import BENT, beside_noise
-from irb2400_ctrl.diagnosis.comparison.acceptance import INFLATION
 from irb2400_ctrl.diagnosis.comparison.criteria import Criteria
 from irb2400_ctrl.diagnosis.comparison.scan import Scan
 from irb2400_ctrl.diagnosis.comparison.selection import Selection
@@ -231,7 +229,6 @@ def _not_understood(robot: Robot, logs: SoundLogs, problem: LogProblem) -> Diagn
         recalibrated={},
         identification=compared,
         validation=None,
-        noise_floor=compared.noise_floor,
         not_excited=(),
         log_problem=problem,
         left_out=logs.left_out,
@@ -272,14 +269,11 @@ def _concluded(
     slow = [f"too slow in this log for much to be said: {numbered('joint', idle)}"] if idle else []
     weak = [*motion.from_measured, *slow, *motion.remarks]
     weak += [said for effect in fit.effects if (said := effect.mistaken_for)]
-    told = numbers(
-        prior,
-        fit,
-        later,
-        change=change,
-        inflation=INFLATION,
-        friction_counts=_better_with_numbers(motion, given, augmented, change),
-    )
+    counts = np.ones(motion.n, dtype=bool)
+    if change:
+        reference = given.model_copy(update={"effects": effects})
+        counts = _better_with_numbers(motion, reference, compared[0])
+    told = numbers(prior, fit, later, change=change, friction_counts=counts)
     if any(one.name in BODY for one in told) and turns_impossible(given, recalibrated):
         weak.append(IMPOSSIBLE)
     found = Diagnosis(
@@ -290,7 +284,6 @@ def _concluded(
         recalibrated=recalibrated_terms(prior, fit, later),
         identification=compared[0],
         validation=None if validation is None else compared[1],
-        noise_floor=compared[0].noise_floor,
         not_excited=idle,
         weak=tuple(weak),
         numbers=told,
@@ -302,21 +295,21 @@ def _concluded(
     return replace(found, weak=(*weak, WORSE_AT_REST.format(joints=joints)))
 
 
-def _better_with_numbers(
-    motion: PreparedLog, before: Robot, after: Robot, change: bool
-) -> npt.NDArray[np.bool_]:
+def _better_with_numbers(motion: PreparedLog, reference: Robot, found: Comparison) -> Mask:
     """Joints that new numbers explain better than the reference's, sample by sample, the same
-    effects beside both, shape (n,); all of them where there is no reference.
+    effects beside both, shape (n,).
 
     Dry friction, viscous friction and inertia trade with each other in what a filter leaves of the
     turns.
+
+    Args:
+        motion: the log, prepared.
+        reference: its numbers, with the effects that were found.
+        found: of the log, with the new numbers.
     """
-    if not change:
-        return np.ones(motion.n, dtype=bool)
-    robots = (before.model_copy(update={"effects": after.effects}), after)
-    torques = [predicted_torque(robot, motion, _bases(robot.bare())) for robot in robots]
-    kept, new = (errors(motion.tau, tau, motion.known).rmse for tau in torques)
-    return np.asarray(new < (1.0 - WORTH) * kept)
+    tau = predicted_torque(reference, motion, _bases(reference.bare()))
+    kept = errors(motion.tau, tau, motion.known).rmse
+    return np.asarray(found.error_after.rmse < (1.0 - WORTH) * kept)
 
 
 def _compared(motion: PreparedLog, before: Robot, recalibrated: Robot, after: Robot) -> Comparison:

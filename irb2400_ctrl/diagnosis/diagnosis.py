@@ -76,7 +76,6 @@ class Diagnosis(Displayed):
 
     Args:
         given, robot: as given, and with new parameters and the effects found.
-        noise_floor: rms of the torque noise per joint [Nm].
         not_excited: joints (from 1) that hardly moved: nothing can be said about them.
         weak: why the answer is weaker than usual, in words; empty if it is not.
         log_problem: why the log was not understood; no effect was tried then.
@@ -97,7 +96,6 @@ class Diagnosis(Displayed):
     recalibrated: Mapping[str, Any]
     identification: Comparison
     validation: Comparison | None
-    noise_floor: Array
     not_excited: tuple[int, ...]
     weak: tuple[str, ...] = field(default=())
     log_problem: LogProblem | None = None
@@ -109,6 +107,11 @@ class Diagnosis(Displayed):
     usual_error: Array | None = None
     noise: NoiseTest | None = None
     nameless: int | None = None
+
+    @property
+    def noise_floor(self) -> Array:
+        """Rms of the torque noise per joint, shape (n,) [Nm]."""
+        return self.identification.noise_floor
 
     @property
     def verdict(self) -> Verdict:

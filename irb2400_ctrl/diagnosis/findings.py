@@ -72,7 +72,7 @@ def findings_of(
                     list=list_of(effect, change),
                     gain=step.gain,
                     margin=step.margin,
-                    body=body_estimates(prior, fitter, fit, place, INFLATION),
+                    body=body_estimates(prior, fitter, fit, place),
                     share=share,
                     curve=binned_curve(
                         motion,

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from irb2400_ctrl.arrays import Array, Mask
+from irb2400_ctrl.diagnosis.comparison.acceptance import INFLATION
 from irb2400_ctrl.diagnosis.estimation.fit import Fit
 from irb2400_ctrl.diagnosis.lists import FindingList
 from irb2400_ctrl.diagnosis.preparation.base_prior import (
@@ -37,7 +38,8 @@ IDENTIFY = (
 )
 LOAD = "load_kg"
 """on the flange, beyond the tool's mass: what all numbers together moved as (`load_test.py`)"""
-FRICTION = ("coulomb_Nm", "viscous_Nms_rad", "static_Nm")
+FRICTION = {"coulomb_Nm": 1, "viscous_Nms_rad": 2, "static_Nm": 0}
+"""column of `Robot.friction` by name, in the order of the base"""
 
 
 @dataclass(frozen=True)
@@ -79,7 +81,6 @@ def numbers(
     after: Robot,
     *,
     change: bool,
-    inflation: float,
     friction_counts: Mask,
 ) -> tuple[Number, ...]:
     """What the file lacks, and what is otherwise here than it says.
@@ -87,14 +88,13 @@ def numbers(
     Args:
         prior: of the base that was fitted; after: the robot with the fitted numbers.
         change: whether the robot given is a reference of this very arm.
-        inflation: of standard errors that follow from the noise alone.
         friction_counts: joints whose friction may have changed, shape (n,).
     """
     robot = prior.robot
     sigmas = prior.base.sigmas()
     k = len(sigmas)
     z = prior.deviations(fit.z)[:k]
-    error = inflation * _posterior(prior, fit)[:k]
+    error = INFLATION * _posterior(prior, fit)[:k]
     believed = np.ones(k)
     if isinstance(prior, IdentifiedPrior):
         # from the reference's own number, whatever friction may do from day to day
@@ -191,7 +191,7 @@ def _names(robot: Robot) -> list[tuple[str, str]]:
 
 def _values(robot: Robot) -> Array:
     bodies = [body_numbers(body) for body, _ in named_bodies(robot)]
-    friction = robot.friction[:, [1, 2, 0]].T.ravel()
+    friction = robot.friction[:, list(FRICTION.values())].T.ravel()
     return np.concatenate([*bodies, friction])
 
 
@@ -199,6 +199,4 @@ def _stated(robot: Robot, place: str, name: str) -> bool:
     """Whether the file says something about a number; friction given as zero counts as unknown."""
     if name not in FRICTION:
         return True
-    column = {"coulomb_Nm": 1, "viscous_Nms_rad": 2, "static_Nm": 0}[name]
-    joint = int(place.split()[1]) - 1
-    return bool(robot.friction_stated[joint, column])
+    return bool(robot.friction_stated[int(place.split()[1]) - 1, FRICTION[name]])

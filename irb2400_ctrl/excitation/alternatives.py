@@ -36,6 +36,8 @@ NOISE = 0.001
 """assumed noise of the filtered torque, model imperfection included, over the torque limit"""
 GRID_POINTS = 5
 """nonlinear parameters of a rival that are tried"""
+NOTHING_LEFT = 1e-3
+"""share of a member's torque below which it is said to be imitated exactly"""
 FREE = 1e-11
 """prior precision of a free coefficient over its information"""
 
@@ -269,13 +271,12 @@ class Alternatives:
             motion, time=motion.time - motion.time[0] + start, row_time=motion.row_time + start
         )
 
-    def imitated_by(self, pair: Pair, columns: Array, enough: float) -> tuple[float, list[int]]:
+    def imitated_by(self, pair: Pair, columns: Array) -> tuple[float, list[int]]:
         """How well base and rival imitate the member if nothing were known of them before, and what
         of the base does.
 
         Args:
             columns: `values` of states as rich as can be, shape (rows, n, width).
-            enough: share of the member's torque below which it counts as imitated.
 
         Returns:
             Share of the member's torque that is left, and few columns of the base that imitate it
@@ -296,7 +297,9 @@ class Alternatives:
         left = _left(np.hstack([base, law]), x)
         used: list[int] = []
         while (
-            left < enough and _left(np.hstack([base[:, used], law]), x) > enough and len(used) < 8
+            left < NOTHING_LEFT
+            and _left(np.hstack([base[:, used], law]), x) > NOTHING_LEFT
+            and len(used) < 8
         ):
             # matching pursuit: the column that takes most of what is left
             basis = np.hstack([base[:, used], law])

@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from irb2400_ctrl.arrays import Array, one_thread
 from irb2400_ctrl.errors import InfeasibleError, InputError
-from irb2400_ctrl.excitation.alternatives import Alternatives, Pair, named
+from irb2400_ctrl.excitation.alternatives import NOTHING_LEFT, Alternatives, Pair, named
 from irb2400_ctrl.excitation.assemble import Workshop
 from irb2400_ctrl.excitation.excitation import Excitation
 from irb2400_ctrl.excitation.groups import AmbiguityGroup, group_called
@@ -31,8 +31,6 @@ LONGEST = 600.0
 """[s] of a motion"""
 RICH = 1500
 """random states that stand for every motion there is"""
-NOTHING_LEFT = 1e-3
-"""share of a member's torque below which it is said to be imitated exactly"""
 NAMED = 3
 """numbers of the base that a reason names"""
 SURE = 1e4
@@ -205,11 +203,7 @@ def _limits_of_motion(alternatives: Alternatives, standard: PreparedLog) -> tupl
     labels = base_labels(alternatives.robot)
     for i, pair in enumerate(alternatives.pairs):
         kinds = [place[0] for place in (pair.member, pair.rival) if place is not None]
-        left, used = (
-            (1.0, [])
-            if _remembers(kinds)
-            else alternatives.imitated_by(pair, everything, NOTHING_LEFT)
-        )
+        left, used = (1.0, []) if _remembers(kinds) else alternatives.imitated_by(pair, everything)
         if left > NOTHING_LEFT:
             reasons.append("")
             ceilings[i] = np.inf

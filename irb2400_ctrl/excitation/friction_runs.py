@@ -65,17 +65,11 @@ def velocity_grid() -> Array:
     )
 
 
-def few_speeds(count: int, slowest: float = SLOWEST, fastest: float = 0.5) -> Array:
-    """The grid of eq. 74 between two speeds, thinned evenly, (count,) [rad/s].
-
-    Args:
-        count: of speeds.
-        slowest: [rad/s].
-        fastest: [rad/s].
-    """
+def few_speeds(fastest: float = 0.5) -> Array:
+    """`SPEEDS` of the grid of eq. 74 from `SLOWEST` to a fastest one, spread evenly [rad/s]."""
     grid = velocity_grid()
-    grid = grid[(grid >= slowest - 1e-9) & (grid <= fastest + 1e-9)]
-    return np.asarray(grid[np.linspace(0, len(grid) - 1, count).round().astype(int)])
+    grid = grid[(grid >= SLOWEST - 1e-9) & (grid <= fastest + 1e-9)]
+    return np.asarray(grid[np.linspace(0, len(grid) - 1, SPEEDS).round().astype(int)])
 
 
 def friction_runs(workshop: Workshop, seed: int = 0) -> FrictionRuns:
@@ -96,7 +90,7 @@ def friction_runs(workshop: Workshop, seed: int = 0) -> FrictionRuns:
     for j in range(robot.n):
         bend = float(bends[j])
         fastest = min(0.5, SHARE_OF_SPEED * float(robot.qd_max[j]))
-        own = few_speeds(SPEEDS, SLOWEST, fastest)
+        own = few_speeds(fastest)
         centre = _posture(workshop, j, _way(fastest, bend), rng)
         one = np.concatenate([there_and_back(speed, bend) for speed in own])
         states = np.repeat(one[:, :, None], robot.n, axis=2)

@@ -26,8 +26,6 @@ RIGHT = 0.01
 """of friction: what the law itself is worth, so that no point is taken for exact [-]"""
 BENT = 3.0
 """Stribeck speeds up to which friction still bends"""
-CAUGHT = 1.0
-"""Stribeck speeds below which the slowest run must lie for the rise to be seen, not guessed"""
 MOSTLY = 0.3
 """share of a log of slow runs that is runs; the rest are moves between them"""
 NAMES = ("static_Nm", "coulomb_Nm", "viscous_Nms_rad", "stribeck_rad_s")
@@ -159,8 +157,7 @@ def _law(points: Sequence[FrictionPoint]) -> tuple[Array, Array]:
         return law, errors
     rising, rising_errors, rising_left = _stribeck(v, F, e)
     own_scale = max(1.0, rising_left / max(len(v) - 4, 1))
-    seen = v.min() < CAUGHT * rising[3] and rising[0] > rising[1]
-    if seen and (left**2 - rising_left) / own_scale > CLEAR:
+    if (left**2 - rising_left) / own_scale > CLEAR:
         return rising, rising_errors
     return law, errors
 

@@ -20,7 +20,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from irb2400_ctrl.arrays import Array, Integers
+from irb2400_ctrl.arrays import Array, Integers, rotations_about
 from irb2400_ctrl.robot import Robot
 
 IMAGINARY = 0.2
@@ -82,9 +82,7 @@ class CharacteristicRoots:
 
     def _turned(self, joint: int, angle: Array) -> Array:
         """The motion of space by turns about an axis at theta = 0, shape (..., 4, 4)."""
-        K = np.cross(np.eye(3), self._z[joint])
-        a = np.asarray(angle)[..., None, None]
-        R = np.eye(3) + np.sin(a) * K + (1 - np.cos(a)) * (K @ K)
+        R = rotations_about(self._z[joint], angle)
         X = np.zeros((*R.shape[:-2], 4, 4))
         X[..., :3, :3] = R
         X[..., :3, 3] = self._p[joint] - R @ self._p[joint]

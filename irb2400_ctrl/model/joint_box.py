@@ -26,13 +26,8 @@ _TURN = 2 * np.pi
 _MOST_TURNS = 40
 
 
-def check_radians(robot: Robot, name: str, q: Array) -> None:
-    """Refuse angles that no arm gets to and that are this arm's as degrees.
-
-    Args:
-        robot: whose joint box it is.
-        name: for the message.
-        q: that should be [rad], shape (n,).
+def check_radians(robot: Robot, seed: Array) -> None:
+    """Refuse angles [rad], shape (n,), that no arm gets to and that are this arm's as degrees.
 
     Raises:
         InputError: more than a whole turn outside the joint box, and inside it as degrees.
@@ -41,11 +36,11 @@ def check_radians(robot: Robot, name: str, q: Array) -> None:
     def outside(angles: Array) -> float:
         return float(np.maximum(angles - robot.q_max, robot.q_min - angles).max())
 
-    if outside(q) > _TURN and outside(np.radians(q)) <= 0.0:
-        worst = int(np.argmax(np.abs(q)))
+    if outside(seed) > _TURN and outside(np.radians(seed)) <= 0.0:
+        worst = int(np.argmax(np.abs(seed)))
         raise InputError(
-            f"{name}: found {q[worst]:g} rad on axis {worst + 1}, expected actuator angles in "
-            f"radians; the numbers fit if they are degrees: np.radians({name})"
+            f"seed: found {seed[worst]:g} rad on axis {worst + 1}, expected actuator angles in "
+            "radians; the numbers fit if they are degrees: np.radians(seed)"
         )
 
 

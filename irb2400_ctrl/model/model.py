@@ -190,7 +190,7 @@ class Model(SymbolicArm):
         X = numbers("pose", X_BT)
         if seed is not None:
             seed = finite("seed", seed, (self.robot.n,), "rad")
-            check_radians(self.robot, "seed", seed)
+            check_radians(self.robot, seed)
         if X.shape != (4, 4):
             raise _no_pose(X)
         q = self._branch_solver.inside(X, seed)

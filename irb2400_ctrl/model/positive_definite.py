@@ -32,13 +32,6 @@ class DefinitenessProof:
     """M(q) is positive definite in the whole joint box"""
     reason: str
     """in plain words"""
-    lower_bound: float
-    """no eigenvalue of the examined part of M lies below [kg m2]; infinite when nothing had to be
-    examined"""
-    links: int
-    """number of links examined together"""
-    cells: int
-    """cells of the joint box that were looked at"""
 
 
 def certify(robot: Robot) -> DefinitenessProof:
@@ -54,26 +47,25 @@ def certify(robot: Robot) -> DefinitenessProof:
     first_sound = weak[-1] + 1 if weak else 0
     # I_zz about the joint's axis: a link whose joint alone moves must resist
     if not all(row[9] > 0.0 for row in robot.inertial_parameters[first_sound:]):
-        return DefinitenessProof(False, "a link has no inertia about its own joint", -np.inf, 0, 0)
+        return DefinitenessProof(False, "a link has no inertia about its own joint")
     if not weak:
-        return DefinitenessProof(True, "no body has a negative principal moment", np.inf, 0, 0)
+        return DefinitenessProof(True, "no body has a negative principal moment")
     k = weak[-1] + 1
     if k > 3:
         reason = f"link {k} has an indefinite tensor: its part of M depends on more than two joints"
-        return DefinitenessProof(False, reason, -np.inf, k, 0)
-    lower, cells = _bound(robot, k)
+        return DefinitenessProof(False, reason)
+    lower = _bound(robot, k)
     verdict = "is" if lower > 0.0 else "may not be"
     reason = (
         f"links behind link {k} only add energy; the part of M of links 1-{k} {verdict} positive "
         "definite over the "
         f"joint box (no eigenvalue below {lower:.3g} kg m2)"
     )
-    return DefinitenessProof(lower > 0.0, reason, lower, k, cells)
+    return DefinitenessProof(lower > 0.0, reason)
 
 
-def _bound(robot: Robot, k: int) -> tuple[float, int]:
-    """Lower bound of the eigenvalues of the part of M of links 1…k over the box of axes 2…k, and
-    cells used.
+def _bound(robot: Robot, k: int) -> float:
+    """Lower bound of the eigenvalues of the part of M of links 1…k over the box of axes 2…k.
 
     M is a trigonometric polynomial, so its derivative by q_j is bounded by the sum of |frequency_j|
     times the spectral norm over its Fourier coefficients. Between grid points it cannot change by
@@ -91,7 +83,7 @@ def _bound(robot: Robot, k: int) -> tuple[float, int]:
         smallest = np.linalg.eigvalsh(part(grid))[:, 0].min()
         lower = float(smallest - slopes @ half)
         if lower > 0.0 or smallest <= 0.0 or 4 * grid.shape[1] > MOST_CELLS:
-            return lower, grid.shape[1]
+            return lower
         count = 2 * count
 
 

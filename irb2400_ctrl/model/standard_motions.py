@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from irb2400_ctrl.arrays import Array, rms
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.model.model import Model
 from irb2400_ctrl.robot import Robot
 from irb2400_ctrl.trajectory.trajectory import RATE
@@ -26,15 +26,6 @@ class StandardMotion:
     q: Array
     qd: Array
     qdd: Array
-
-
-@dataclass(frozen=True)
-class TorqueDifference:
-    """How far the torques of two robots are apart on one motion; per joint [Nm], shape (n,)."""
-
-    motion: str
-    largest: Array
-    rms: Array
 
 
 def standard_motions(robot: Robot) -> list[StandardMotion]:
@@ -60,17 +51,16 @@ def standard_motions(robot: Robot) -> list[StandardMotion]:
     return motions
 
 
-def torque_differences(robot: Robot, other: Robot) -> list[TorqueDifference]:
-    """Rigid-body torque of `other` less that of `robot` on each standard motion; friction is the
-    same in both."""
+def torque_differences(robot: Robot, other: Robot) -> dict[str, Array]:
+    """Largest rigid-body torque of `other` less that of `robot` on each standard motion, by its
+    name, per joint [Nm], shape (n,); friction is the same in both."""
     first = Model(robot)
     second = Model(other)
-    found = []
+    found = {}
     for motion in standard_motions(robot):
         tau = first.inverse_dynamics(motion.q, motion.qd, motion.qdd, friction=False)
         difference = second.inverse_dynamics(motion.q, motion.qd, motion.qdd, friction=False) - tau
-        largest = np.abs(difference).max(axis=0)
-        found.append(TorqueDifference(motion.name, largest, rms(difference)))
+        found[motion.name] = np.abs(difference).max(axis=0)
     return found
 
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from irb2400_ctrl.planners.enclosure.deviation import Deviation, deviation, singularity_margins
+from irb2400_ctrl.planners.enclosure.deviation import Deviation, deviation
 from irb2400_ctrl.planners.enclosure.path_dynamics import PathDynamics
 from irb2400_ctrl.planners.external_bounds import AxisBounds, axis_bounds, stay_in_range
 from irb2400_ctrl.planners.joint_path import JointPath
@@ -43,26 +43,12 @@ class JointBounds:
 
 @dataclass(frozen=True)
 class PlanBounds:
-    """Upper bounds over all times of the rows as they are read, and whether they are
-    guaranteed."""
+    """Upper bounds over all times of the rows as they are read, of the joints and the TCP."""
 
-    certificate: Certificate
-    guaranteed: bool
-    note: str
-    """why the torque bound is not guaranteed; empty where it is"""
-    torque_ratio: float
-    """largest |tau| over the robot's own limit; of samples where there is no bound"""
-    velocity_ratio: float
-    """largest |qd| over the robot's own limit"""
-    acceleration_ratio: float | None
-    """largest |qdd| over the robot's own limit; None where it states none"""
+    joints: JointBounds
     feed_ratio: float | None
     """speed of the TCP over the feed; None without a feed"""
     deviation: Deviation
-    singularity_margin: dict[str, float]
-    """lower bounds of |sin q5| [-], |r| [m], |k| [m]"""
-    external: tuple[AxisBounds, ...] = ()
-    """of the axes that carry the part or the arm"""
 
 
 def certify(
@@ -81,18 +67,7 @@ def certify(
     joints = certify_joints(dynamics, path.joints, settled, options)
     if path.tcp.carried is not None:
         stay_in_range(path.tcp.carried, joints.external)
-    return PlanBounds(
-        certificate=joints.certificate,
-        guaranteed=joints.guaranteed,
-        note=joints.note,
-        torque_ratio=joints.torque_ratio,
-        velocity_ratio=joints.velocity_ratio,
-        acceleration_ratio=joints.acceleration_ratio,
-        feed_ratio=settled.feed_ratio,
-        deviation=_deviation(orientation, timed, settled),
-        singularity_margin=singularity_margins(dynamics.model, path.followed),
-        external=joints.external,
-    )
+    return PlanBounds(joints, settled.feed_ratio, _deviation(orientation, timed, settled))
 
 
 def certify_joints(

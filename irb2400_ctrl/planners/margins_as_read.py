@@ -6,6 +6,7 @@ again for the joints' places between the rows, a curve of its own.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -14,6 +15,7 @@ from irb2400_ctrl.cell import Scene
 from irb2400_ctrl.errors import CollisionError
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.planners.clearance import Clearance, continuous_clearance, cutting_moves
+from irb2400_ctrl.planners.clearance.clearance import entry
 from irb2400_ctrl.planners.enclosure.deviation import singularity_margins
 from irb2400_ctrl.planners.redundancy.choice import cutting_between
 from irb2400_ctrl.planners.redundancy.follow import Followed
@@ -23,6 +25,17 @@ from irb2400_ctrl.planners.toolpath.orientation import Orientation
 
 MOST_ROWS = 20_000
 """beyond so many rows the path's own margins are said: the rows lie the closer to it"""
+
+
+@dataclass(frozen=True)
+class Margins:
+    """As `Plan` says them."""
+
+    of: str
+    """the "rows" as they are read, or the continuous "path" """
+    singularity: dict[str, float]
+    """lower bounds of |sin q5| [-], |r| [m], |k| [m]"""
+    clearance: dict[str, Any]
 
 
 def followed_as_read(timed: TimedChoice, settled: Settled) -> Followed:
@@ -41,24 +54,20 @@ def margins_as_read(
     scene: Scene | None,
     timed: TimedChoice,
     settled: Settled,
-) -> dict[str, Any]:
-    """Fields of `Plan` that are those of the rows; nothing where there are too many of them.
+) -> Margins:
+    """Of the rows, or of the path where there are too many of them.
 
     Raises:
         CollisionError: the rows come nearer to something than the path does, and too near.
     """
     read = followed_as_read(timed, settled)
+    way = timed.path.tcp.way
     if len(read.u) > MOST_ROWS:
-        return {}
-    found: dict[str, Any] = {
-        "margins_of": "rows",
-        "singularity_margin": singularity_margins(model, read),
-    }
-    if scene is not None:
-        near = _clearance(scene, orientation, read)
-        s = float(timed.law.at(np.array([near.s]))[0][0])
-        found["clearance"] = near.summary(float(timed.path.tcp.way(s)))
-    return found
+        clearance = entry(timed.choice.clearance, way)
+        return Margins("path", singularity_margins(model, timed.path.followed), clearance)
+    near = None if scene is None else _clearance(scene, orientation, read)
+    clearance = entry(near, lambda time: way(timed.law.at(np.array([time]))[0][0]))
+    return Margins("rows", singularity_margins(model, read), clearance)
 
 
 def _clearance(scene: Scene, orientation: Orientation, read: Followed) -> Clearance:

@@ -164,15 +164,15 @@ def plan_ways(
         remedies = price_remedies(
             dynamics, orientation, timed, best, options.axis_tolerance, timing
         )
-    with clock.stage("trajectory"):
-        rows = settled.reference
-        planned = report(
-            dynamics, orientation, timed, best, bounds, remedies, timing, rows, clock.seconds
-        )
     with clock.stage("margins"):
         margins = margins_as_read(model, orientation, scene, best, settled)
         way_of = best.path.tcp.way
         seen = mapped(model, orientation, scene, best.choice, way_of) if options.mapped else None
+    with clock.stage("trajectory"):
+        rows = settled.reference
+        planned = report(
+            dynamics, orientation, timed, best, bounds, margins, remedies, timing, rows, clock
+        )
     return replace(
         planned,
         rail=options.rail,
@@ -180,7 +180,6 @@ def plan_ways(
         carried=external,
         deflection=deflection(best, options.load),
         rotation_map=seen,
-        **margins,
     )
 
 

@@ -10,12 +10,13 @@ import numpy as np
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.planners.certify import PlanBounds
-from irb2400_ctrl.planners.clearance.clearance import unknown
 from irb2400_ctrl.planners.enclosure.path_dynamics import PathDynamics
 from irb2400_ctrl.planners.enclosure.tcp_path import TcpPath
+from irb2400_ctrl.planners.margins_as_read import Margins
 from irb2400_ctrl.planners.plan import Plan
 from irb2400_ctrl.planners.redundancy.cutting_load import CuttingLoad
 from irb2400_ctrl.planners.redundancy.wrist_remedies import Remedy, taken
+from irb2400_ctrl.planners.stage_clock import StageClock
 from irb2400_ctrl.planners.timing.feed_use import feed_use
 from irb2400_ctrl.planners.timing.passing_times import passing_times, point_lengths
 from irb2400_ctrl.planners.timing.sampled_reference import SampledReference
@@ -32,10 +33,11 @@ def report(
     timed: Sequence[TimedChoice],
     chosen: TimedChoice,
     bounds: PlanBounds,
+    margins: Margins,
     remedies: Sequence[Remedy],
     options: TimingOptions,
     reference: SampledReference,
-    wall_time: dict[str, float],
+    clock: StageClock,
 ) -> Plan:
     """The plan of the chosen motion, with what it was compared with.
 
@@ -44,46 +46,46 @@ def report(
         orientation: the tool path, placed and smoothed.
         timed: all choices that were compared.
         chosen: the one that is driven.
-        bounds: what is sure of it.
-        remedies: of its wrist passages.
-        options: how it was timed.
+        bounds: what is sure of it; margins: how far it stays from everything.
+        remedies: of its wrist passages; options: how it was timed.
         reference: the rows of the trajectory.
-        wall_time: of the stages [s]; the caller goes on writing to it.
+        clock: of the stages; it goes on writing what they took.
     """
     path = chosen.path
-    choice = chosen.choice
+    joints = bounds.joints
     trajectory, s = law_rows(dynamics, chosen.law, path.tcp, reference)
     return Plan(
         robot=dynamics.model.robot,
         path=orientation.curve.path,
         trajectory=trajectory,
         length=float(path.tcp.lengths[-1]),
-        certificate=bounds.certificate,
+        certificate=joints.certificate,
         duration=chosen.law.duration,
-        guaranteed=bounds.guaranteed,
-        guarantee_note=bounds.note,
+        guaranteed=joints.guaranteed,
+        guarantee_note=joints.note,
         interpolation=reference.interpolation,
         torque_share=options.torque_share,
         rates=chosen.rates,
         timing=options.backend,
         max_tcp_deviation=bounds.deviation.largest,
         max_tool_axis_deviation=bounds.deviation.axis,
-        clearance=_clearance(chosen),
-        singularity_margin=bounds.singularity_margin,
-        max_torque_ratio=bounds.torque_ratio,
-        max_velocity_ratio=bounds.velocity_ratio,
-        max_acceleration_ratio=bounds.acceleration_ratio,
+        clearance=margins.clearance,
+        singularity_margin=margins.singularity,
+        margins_of=margins.of,
+        max_torque_ratio=joints.torque_ratio,
+        max_velocity_ratio=joints.velocity_ratio,
+        max_acceleration_ratio=joints.acceleration_ratio,
         max_feed_ratio=bounds.feed_ratio,
-        external=bounds.external,
-        chosen=choice.kind,
-        branch=choice.branch,
-        rotation=choice.rotation(s),
+        external=joints.external,
+        chosen=chosen.choice.kind,
+        branch=chosen.choice.branch,
+        rotation=chosen.choice.rotation(s),
         feed_use=feed_use(dynamics, orientation.curve, path, chosen.law, options.limits),
         point_times=passing_times(chosen.law, point_lengths(orientation.curve, path.followed)),
         alternatives=tuple(_compared(option) for option in timed),
         passages=tuple(_passages(chosen)),
         remedies=tuple(remedy.summary() for remedy in remedies),
-        wall_time=wall_time,
+        wall_time=clock.seconds,
     )
 
 
@@ -134,14 +136,6 @@ def deflection(chosen: TimedChoice, load: CuttingLoad | None) -> dict[str, Any] 
         "mean_mm": 1e3 * found.mean,
         **load.summary(),
     }
-
-
-def _clearance(chosen: TimedChoice) -> dict[str, Any]:
-    """The entry `clearance_mm` of `plan.json`."""
-    found = chosen.choice.clearance
-    if found is None:
-        return unknown("the robot file has no [outline], the space that the arm takes up")
-    return found.summary(float(chosen.path.tcp.way(found.s)))
 
 
 def _passages(chosen: TimedChoice) -> list[dict[str, Any]]:

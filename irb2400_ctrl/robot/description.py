@@ -15,7 +15,7 @@ import numpy as np
 import numpy.typing as npt
 from pydantic import Field, model_validator
 
-from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.arrays import Array, rotation_onto
 from irb2400_ctrl.effects import LIBRARY, AnyEffect, load_effects
 from irb2400_ctrl.effects.base import OPEN_END_S
 from irb2400_ctrl.effects.blank import discrepancy_size
@@ -143,11 +143,10 @@ class Robot(Table):
         size = float(np.linalg.norm(self.gravity))
         if size == 0.0 or np.allclose(self.gravity, [0.0, 0.0, -size]):
             return _read_only(np.eye(3))
-        x, y, z = -self.gravity / size
-        if z < -1 + 1e-12:
+        up = -self.gravity / size
+        if up[2] < -1 + 1e-12:
             return _read_only(np.diag([1.0, -1.0, -1.0]))
-        K = np.array([[0.0, 0.0, -x], [0.0, 0.0, -y], [x, y, 0.0]])
-        return _read_only(np.eye(3) + K + K @ K / (1 + z))
+        return _read_only(rotation_onto(up, np.array([0.0, 0.0, 1.0])))
 
     @cached_property
     def q_min(self) -> Array:
@@ -302,7 +301,7 @@ class Robot(Table):
         return [f"{term} of {who} is unknown: {instead}"] if names else []
 
     def with_effects(self, *effects: AnyEffect) -> Robot:
-        """This robot with further effects, validated."""
+        """This robot with further effects, on which nothing is checked anew."""
         return self.model_copy(update={"effects": (*self.effects, *effects)})
 
     def bare(self) -> Robot:

@@ -55,7 +55,7 @@ def closed_loop(
 
     q_seen, qd_seen = _measured(v, sensors, period)
     heard = {f"c_{f.name}": v[f.name] for f in inputs}
-    control = as_packaged(controller, "c_", {**v, "c_q": q_seen, "c_qd": qd_seen, **heard}, run)
+    control = as_packaged(controller, {**v, "c_q": q_seen, "c_qd": qd_seen, **heard}, run)
     drive, behind_lag = _acting(v, control["tau"], plant, actuators, period)
     stop = end_stop_torque(plant, v["p_q"], v["p_qd"])
     tau, friction, braking = _braked(v, control, plant, drive, period)

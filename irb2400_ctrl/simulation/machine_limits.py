@@ -32,9 +32,7 @@ def has_brake(controller: Block) -> bool:
     return any(f.name == "brake" for f in controller.outputs)
 
 
-def as_packaged(
-    controller: Block, prefix: str, values: Values, run: Callable[..., Values]
-) -> Values:
+def as_packaged(controller: Block, values: Values, run: Callable[..., Values]) -> Values:
     """One step of the controller as its C package makes it.
 
     An input outside its bounds: the state stands still, the last good output is repeated, `fault`
@@ -42,18 +40,17 @@ def as_packaged(
 
     Args:
         controller: whose step it is.
-        prefix: of its names among the values.
-        values: states, inputs and parameters by name.
+        values: its states, inputs and parameters, each name behind `c_`.
         run: makes the plain step.
     """
-    control = run(controller, prefix, values)
-    tests = [test for f in believed(controller) for test in _inside(f, values[prefix + f.name])]
+    control = run(controller, "c_", values)
+    tests = [test for f in believed(controller) for test in _inside(f, values[f"c_{f.name}"])]
     valid = ca.SX(1)
     for test in tests:
         valid = ca.logic_and(valid, test)
     result: Values = {"fault": ca.logic_not(valid)}
     for f in controller.states:
-        old = values[prefix + f.name]
+        old = values[f"c_{f.name}"]
         result[f"{f.name}_next"] = ca.if_else(valid, control[f"{f.name}_next"], old)
     for f in controller.outputs:
         result[f.name] = ca.if_else(valid, control[f.name], values[f"held_{f.name}"])

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import casadi as ca
 import numpy as np
 import pytest
 from simulation.arms import START, STOP, arm, quintic_move, strong, with_effect, without_friction
 
 from irb2400_ctrl.codegen import compile_block
 from irb2400_ctrl.controllers import controller, guarded, momentum_observer
+from irb2400_ctrl.controllers.parts import back_calculated
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.simulation import (
@@ -21,6 +23,11 @@ from irb2400_ctrl.simulation import (
 
 MOVE = quintic_move(START, STOP, 1.2)
 STILL = quintic_move(START, START, 1.0)
+
+
+def test_an_integral_that_winds_back_within_a_sample_stops_at_the_limit() -> None:
+    after = back_calculated(ca.SX(5.0), ca.SX(0.0), ca.SX(-2.0), ca.SX(1e-4), 1e-3)
+    assert float(after) == 3.0
 
 
 def there_and_back(times: int, duration: float = 0.9) -> Trajectory:

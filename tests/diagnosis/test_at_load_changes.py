@@ -26,13 +26,13 @@ PHASE = np.arange(6.0)
 Q = np.array([0.1, 0.2, -0.1, 0.0, 0.8, -0.2]) + 0.3 * np.sin(RATES * TIME[:, None] + PHASE)
 QD = 0.3 * RATES * np.cos(RATES * TIME[:, None] + PHASE)
 QDD = -0.3 * RATES**2 * np.sin(RATES * TIME[:, None] + PHASE)
+LOAD = np.asarray(MODEL.inverse_dynamics(Q, QD, QDD, friction=False))
 NOISE = np.random.default_rng(8).normal(scale=0.3, size=Q.shape)
 
 
 def changes(joint: int) -> np.ndarray:
     """Samples at which the torque of the rigid arm on a joint (from 0) changes its sign."""
-    load = MODEL.inverse_dynamics(Q, QD, QDD)[:, joint] - MODEL.friction(QD)[:, joint]
-    return np.flatnonzero(np.diff(np.sign(load)) != 0) + 1
+    return np.flatnonzero(np.diff(np.sign(LOAD[:, joint])) != 0) + 1
 
 
 def bounces(joint: int, moments: Any, size: float = 25.0) -> np.ndarray:
@@ -51,7 +51,7 @@ def heard(left: np.ndarray, **changed: Any) -> AtLoadChanges:
         "known": np.ones(Q.shape, bool), "parts": [slice(0, len(TIME))],
     }  # fmt: skip
     motion: Any = SimpleNamespace(**(given | changed))
-    return AtLoadChanges(motion, left, MODEL)
+    return AtLoadChanges(motion, left, LOAD, MODEL)
 
 
 def candidate(kind: str, joint: int | None, count: int = 1) -> Any:

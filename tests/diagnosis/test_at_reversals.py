@@ -118,12 +118,13 @@ def test_odds_follow_the_error_of_the_dip() -> None:
     assert nats[0] > 4.0
     assert 0.0 < nats[-1] < 0.3
     # by hand, one share: exp((d^2 - (d - f s)^2) / 2 w^2) with f s = d
-    dip = Dip(3.0, 0.4)
+    dip = Dip(3.0, 1.2)
     size = 6.0
-    width2 = 0.4**2 + (0.05 * size) ** 2
+    width2 = 1.2**2 + (0.05 * size) ** 2
     shares = np.linspace(0.05, 1.0, 96)
     ratio = np.mean(np.exp((9.0 - (3.0 - shares * size) ** 2) / (2 * width2)))
-    assert log_odds(dip, size) == pytest.approx(min(np.log(0.4 + 0.6 * ratio), MOST))
+    assert log_odds(dip, size) == pytest.approx(np.log(0.4 + 0.6 * ratio))
+    assert log_odds(Dip(3.0, 0.4), size) == MOST
 
 
 def test_friction_of_two_levels_of_an_arm_that_nobody_tuned_to_is_no_offset() -> None:

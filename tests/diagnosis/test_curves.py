@@ -28,3 +28,11 @@ def test_few_rows_are_drawn_in_fewer_bins(rows: int) -> None:
     assert len(curve.x) == np.clip(rows // (2 * FEWEST), 1, BINS)
     np.testing.assert_allclose(curve.measured, 0.9)
     np.testing.assert_allclose(curve.law, 0.9)
+
+
+def test_a_bin_of_two_rows_is_not_drawn() -> None:
+    few = motion(12)
+    few.q = np.array([[0.0]] * 10 + [[1.0]] * 2)
+    few.at_rows = lambda signal: signal
+    curve = binned_curve(few, np.zeros((12, 1)), 0, "q", np.ones(12), np.zeros(12))
+    assert list(curve.x) == [0.0]

@@ -104,7 +104,8 @@ def test_much_more_than_noise_left_on_a_joint_is_not_explained() -> None:
     assert left.verdict == "unexplained"
     assert any(said.startswith("  Joint 3: ") for said in lines(left))
     # a misfit as fast as noise is in the floor of the residual, not in that of its differences
-    fast = replace(left, noise_floor=np.full(6, 0.2 * size))
+    floor = np.full(6, 0.2 * size)
+    fast = replace(left, identification=replace(left.identification, noise_floor=floor))
     assert fast.left_over == (3,)
     assert replace(fast, noise=None).left_over == ()
     # joints that stick where they turn leave much on few samples

@@ -96,11 +96,15 @@ def test_what_a_file_has_twice_is_one_strength() -> None:
 
 def test_another_phase_is_no_other_strength() -> None:
     stated = GearRipple(joint=2, amplitude_Nm=1.0, order=20.0, phase_rad=0.3)
-    beside = stated.model_copy(update={"phase_rad": 1.8})
     said = "the gear_ripple that the file states"
-    assert (
-        told(beside, stated) == f"{said} is not as it says: something else of its kind adds to it"
-    )
+    for phase in (1.8, 0.53):
+        beside = stated.model_copy(update={"phase_rad": phase})
+        assert (
+            told(beside, stated)
+            == f"{said} is not as it says: something else of its kind adds to it"
+        )
+    near = stated.model_copy(update={"phase_rad": 0.47})
+    assert told(near, stated) == f"{said} is 99 % stronger than it says"
     assert told(stated, stated) == f"{said} is 100 % stronger than it says"
     assert told(stated, None) == stated.sentence
 

@@ -17,7 +17,7 @@ from independent_plant.parameters import FLANGE_OFFSET
 import irb2400_ctrl as irb
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.diagnosis import Diagnosis
-from irb2400_ctrl.diagnosis.diagnose import _better_with_numbers
+from irb2400_ctrl.diagnosis.diagnose import _better_with_numbers, _compared
 from irb2400_ctrl.diagnosis.possible_bodies import with_possible_bodies
 from irb2400_ctrl.diagnosis.preparation.identified_prior import IdentifiedPrior
 from irb2400_ctrl.effects import LIBRARY
@@ -107,10 +107,12 @@ def test_friction_has_changed_only_where_the_log_is_better_explained_with_it() -
         joints[j] = joints[j].model_copy(update={"friction": friction.model_copy(update=more)})
     after = robot.model_copy(update={"joints": tuple(joints)})
     usual, stiffer = (prepare(log(2, 0.0, factor)) for factor in (1.0, 1.3))
-    told = [_better_with_numbers(motion, robot, after, change=True) for motion in (usual, stiffer)]
+    told = [
+        _better_with_numbers(motion, robot, _compared(motion, robot, after, after))
+        for motion in (usual, stiffer)
+    ]
     assert told[0].tolist() == [False] * 6
     assert told[1].tolist() == [True, False, False, True, False, False]
-    assert _better_with_numbers(usual, robot, after, change=False).all()
 
 
 def test_the_prior_of_an_identified_arm_is_its_covariance() -> None:

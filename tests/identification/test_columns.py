@@ -15,7 +15,7 @@ from irb2400_ctrl.identification.fitting.columns import ColumnLayout, Extra, col
 from irb2400_ctrl.identification.fitting.consistent_fit import possible, pseudo_inertias
 from irb2400_ctrl.identification.fitting.noise import correlation_factor
 from irb2400_ctrl.identification.fitting.prior import prior_of
-from irb2400_ctrl.identification.gate import motion_for
+from irb2400_ctrl.identification.gate import _grade, motion_for
 from irb2400_ctrl.identification.identified_robot import fit_base, identified_robot
 from irb2400_ctrl.robot import Body
 
@@ -160,3 +160,8 @@ def test_the_widths_of_a_coupling_are_those_of_its_two_joints(model: irb.Model) 
     # friction here by the motion of joint 6, there by that of joint 4
     np.testing.assert_allclose(widths(6) / usual, [1, 1, 0.5, 1, 1, 1])
     np.testing.assert_allclose(widths(4) / usual, [1, 1, 1, 0.5, 1, 1])
+
+
+def test_a_number_is_graded_by_its_error_over_the_size_that_matters() -> None:
+    grades = [_grade(ratio, True, [])[0] for ratio in (0.19, 0.21, 0.99, 1.01)]
+    assert grades == ["identifiable", "weak", "weak", "not identifiable"]

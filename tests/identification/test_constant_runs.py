@@ -33,7 +33,7 @@ def test_the_grid_is_that_of_the_paper() -> None:
         np.testing.assert_allclose(steps[inside], step, rtol=1e-6)
     assert grid[0] == pytest.approx(1e-5)
     assert grid[-1] == pytest.approx(0.5)
-    few = few_speeds(14)
+    few = few_speeds()
     assert (np.diff(few) > 0).all()
     assert (few < 0.015).sum() >= 6
 
@@ -56,6 +56,15 @@ def test_the_law_lies_within_its_errors() -> None:
     robot = with_curves(irb.load_robot("irb2400"), [curve])
     np.testing.assert_allclose(robot.friction[1], curve.law)
     np.testing.assert_allclose(robot.friction[0], irb.load_robot("irb2400").friction[0])
+
+
+@pytest.mark.parametrize("slowest", [3, 4])
+def test_runs_above_the_stribeck_speed_do_not_bend_the_law(slowest: int) -> None:
+    """A straight line through a rise that is clear had half of the viscous friction."""
+    curve = friction_curves(runs_of(log_of(SPEEDS[slowest:])))[0]
+    assert curve.shows_rise
+    assert (np.abs(curve.law - TRUE) < 3.5 * curve.errors).all()
+    assert curve.law[1:3] == pytest.approx(TRUE[1:3], rel=0.05)
 
 
 def test_a_rise_that_the_runs_do_not_show_is_not_made_up() -> None:
@@ -102,7 +111,12 @@ def test_an_ordinary_motion_has_none() -> None:
     assert curves == []
     assert not log_of_runs(log, curves)
     slow = log_of(SPEEDS)
-    assert log_of_runs(slow, friction_curves(runs_of(slow)))
+    curves = friction_curves(runs_of(slow))
+    assert log_of_runs(slow, curves)
+    # the same beside an hour of something else
+    time = np.append(slow.time, slow.time[-1] + 3600.0)
+    more = [np.vstack([part, part[-1]]) for part in (slow.q, slow.tau)]
+    assert not log_of_runs(irb.Log(time, *more, name=slow.name), curves)
 
 
 def test_figures_hold_every_point_and_both_directions() -> None:

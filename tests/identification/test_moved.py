@@ -73,8 +73,8 @@ def test_a_mass_that_went_absurdly_far_is_an_alarm_however_open() -> None:
     assert one.far
     assert one.alarms
     assert shared_factor([replace(one, after=0.3 * PHI)] * 6) is None
-    heavier = Moved(2, PHI, 1.2 * PHI, np.full(10, 95.6), np.full(10, 49.0), 30.0, True)
-    assert not heavier.alarms
+    for factor, absurd in ((1.2, False), (4.9, False), (5.1, True), (1 / 4.9, False), (0.19, True)):
+        assert replace(one, after=factor * PHI).alarms == absurd
 
 
 @pytest.mark.parametrize(

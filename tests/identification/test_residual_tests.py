@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from irb2400_ctrl.identification.residual_tests import (
+    Dependence,
     autocorrelation,
     dependences,
     fit_percent,
@@ -23,6 +24,11 @@ def coloured(rng: np.random.Generator, memory: float) -> np.ndarray:
 
     white = rng.standard_normal(len(TIME) + 500)
     return np.asarray(lfilter([np.sqrt(1.0 - memory**2)], [1.0, -memory], white))[500:]
+
+
+def test_what_is_notable_is_above_chance_and_above_a_tenth() -> None:
+    pairs = [(0.11, 0.05), (-0.11, 0.05), (0.09, 0.05), (0.2, 0.3)]
+    assert [Dependence("q", *pair).notable for pair in pairs] == [True, True, False, False]
 
 
 def test_white_noise_stays_in_its_band_at_99_of_100_lags() -> None:

@@ -124,6 +124,18 @@ def test_facts_of_a_log() -> None:
     np.testing.assert_allclose(facts.lag, 0.015, atol=1e-4)
 
 
+def test_a_long_lag_behind_the_command_is_measured_as_well() -> None:
+    time = 0.004 * np.arange(2500)
+
+    def moved(t: np.ndarray) -> np.ndarray:
+        return np.cos(2.0 * np.clip(t[:, None] - np.linspace(1.0, 2.0, 6), 0.0, 2.0 * np.pi))
+
+    command = moved(time + 0.2)
+    facts = log_facts(Log(time, moved(time), np.sin(np.outer(time, np.ones(6))), q_ref=command))
+    assert facts.lag is not None
+    np.testing.assert_allclose(facts.lag, 0.2, atol=1e-4)
+
+
 def test_stamps_that_scatter_over_more_than_a_period_do_not_shorten_it() -> None:
     """Where stamps may cross, a lattice of another period is nearer to them; the angles know."""
     (case,) = suite("jitter", 3, 1, 922905)

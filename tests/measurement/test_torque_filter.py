@@ -16,7 +16,7 @@ from irb2400_ctrl.identification import identify, validate
 from irb2400_ctrl.measurement import Log
 from irb2400_ctrl.measurement.joined_log import prepare_together
 from irb2400_ctrl.measurement.prepared_log import prepare
-from irb2400_ctrl.measurement.torque_filter import TorqueFilter, find_torque_filter
+from irb2400_ctrl.measurement.torque_filter import TorqueFilter, _possible, find_torque_filter
 from irb2400_ctrl.plausibility import check_log
 from irb2400_ctrl.report.pages.diagnosis_page import lines
 from irb2400_ctrl.report.pages.validation_page import lines as validation_lines
@@ -204,3 +204,12 @@ def test_a_joint_that_hardly_moves_is_no_hindrance() -> None:
     )
     assert found is not None
     assert found.cutoff == pytest.approx(2.0, rel=0.1)
+
+
+@pytest.mark.parametrize(("above", "sharpest"), [(0.01, 8.0), (0.03, 4.0)])
+def test_a_sharp_filter_leaves_hardly_anything_above_its_cut_off(
+    above: float, sharpest: float
+) -> None:
+    power = np.array([[1.0], [above**2]])
+    found = _possible(np.array([0.2, 30.0]), power)
+    assert max(one.order for one in found) == sharpest

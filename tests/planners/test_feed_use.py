@@ -10,7 +10,7 @@ from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.planners import Plan, builders, plan_path
 from irb2400_ctrl.planners.enclosure import bernstein
 from irb2400_ctrl.planners.enclosure.path_dynamics import PathDynamics
-from irb2400_ctrl.planners.timing.feed_use import HELD
+from irb2400_ctrl.planners.timing.feed_use import HELD, _joined
 from irb2400_ctrl.planners.timing.motion_limits import linear_bounds
 from irb2400_ctrl.planners.timing.sampled_timing import guarantee_note
 
@@ -31,6 +31,11 @@ def speeds(plan: Plan) -> tuple[Array, Array]:
 @pytest.fixture(scope="module")
 def corner() -> Plan:
     return plan_path(ROBOT, builders.way_points(CORNER, feed=0.1))
+
+
+def test_stretches_with_less_than_half_a_millimetre_between_them_are_one() -> None:
+    way = 1e-4 * np.array([0, 1, 2, 6, 7, 13, 14])
+    assert _joined([(0, 2), (3, 4), (5, 6)], way) == [(0, 4), (5, 6)]
 
 
 def test_the_share_at_the_feed_is_that_of_the_motion(corner: Plan) -> None:

@@ -22,6 +22,9 @@ def test_a_spindle_below_its_tip_is_asked_about(tmp_path: Path) -> None:
         ("-1", robot, turned, False),
         ("1", hung, None, True),
         ("1", hung, turned, False),
+        # 30 deg below level is where it begins
+        ("-1", robot, pose((0, 0, 0), (59, 0, 0)), True),
+        ("-1", robot, pose((0, 0, 0), (61, 0, 0)), False),
     ):
         file = tmp_path / "way.csv"
         file.write_text(f"x_mm,y_mm,z_mm,i,j,k\n0,0,0,0,0,{k}\n90,0,0,0,0,{k}\n")

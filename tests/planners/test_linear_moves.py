@@ -41,6 +41,12 @@ def test_numpy_and_c_agree(seed: int) -> None:
     assert 300 < sum(told) < 2700
 
 
+def test_a_turn_on_the_spot_goes_on_as_far_as_it_has_turned() -> None:
+    X = np.tile(np.eye(4), (5, 1, 1))
+    X[:, :3, :3] = Rotation.from_rotvec(np.outer([0.0, 0.1, 0.2, 0.6, 1.0], [0, 0, 1])).as_matrix()
+    assert LinearMoves.of(X).close(0, 4, 1e-9, 1e-6)
+
+
 def test_what_is_no_number_is_not_near() -> None:
     moves = drawn(0)
     places = moves.p.copy()

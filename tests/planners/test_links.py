@@ -39,8 +39,9 @@ def test_the_plane_lies_above_what_is_cut_not_above_rapid_moves() -> None:
     found = ClearancePlane.over([(path, rapid)], np.array([1.0, 0, 0]), 0.05)
     assert found.height == pytest.approx(0.15)
     assert np.allclose(found.up, UP)
-    # tool axes that face each other leave up to gravity
-    facing = builders.way_points([[0, 0, 0.1], [0.1, 0, 0.1]], [[1.0, 0, 0], [-1.0, 0, 0]])
+    # tool axes that nearly face each other leave up to gravity
+    axes = np.array([[1.0, 0.2, 0], [-1.0, 0.2, 0]]) / np.hypot(1.0, 0.2)
+    facing = builders.way_points([[0, 0, 0.1], [0.1, 0, 0.1]], axes)
     below = ClearancePlane.over([(facing, rapid[2:])], np.array([1.0, 0, 0]), 0.05, -UP)
     assert np.allclose(below.up, -UP)
     assert below.height == pytest.approx(-0.05)

@@ -67,11 +67,17 @@ class AtLoadChanges:
     mass matrix that couples the two: which joint it is, is told by where and when it is felt.
     """
 
-    def __init__(self, motion: PreparedLog, residual: Array, model: Model) -> None:
-        """`residual`: torque that the robot as given leaves, shape (m, n) [Nm]; `model`: of that
-        robot."""
+    def __init__(self, motion: PreparedLog, residual: Array, load: Array, model: Model) -> None:
+        """Of one log.
+
+        Args:
+            motion: the log, prepared; residual: what the robot as given leaves of its torque.
+            load: torque that the transmissions carry, both of shape (m, n) [Nm].
+            model: of that robot.
+        """
         self.motion = motion
         self.residual = residual
+        self.load = load
         self.model = model
 
     @cached_property
@@ -138,7 +144,7 @@ class AtLoadChanges:
         moments = [
             (k, part)
             for part in m.parts
-            for k in part.start + 1 + np.flatnonzero(np.diff(np.sign(self._load[part, joint])))
+            for k in part.start + 1 + np.flatnonzero(np.diff(np.sign(self.load[part, joint])))
         ]
         for place, (k, part) in enumerate(moments):
             first = max(k - round(BEFORE / m.step), part.start)
@@ -147,12 +153,6 @@ class AtLoadChanges:
             torque[rows] = fade[:, None] * np.abs(self.model.mass_matrix(m.q[k])[:, joint])
             moment[rows] = place
         return _Bounces(torque, moment, len(moments))
-
-    @cached_property
-    def _load(self) -> Array:
-        """Torque that the transmissions carry, shape (m, n) [Nm]."""
-        m = self.motion
-        return np.asarray(self.model.inverse_dynamics(m.q, m.qd, m.qdd, friction=False))
 
     @cached_property
     def _quick(self) -> Array:

@@ -20,7 +20,7 @@ from irb2400_ctrl.diagnosis.comparison.step import Step, of_the_whole_arm, witho
 from irb2400_ctrl.diagnosis.comparison.wider_numbers import rather_wider
 from irb2400_ctrl.diagnosis.estimation.candidate import Candidate, simple
 from irb2400_ctrl.diagnosis.estimation.fit import Fit, Fitter
-from irb2400_ctrl.diagnosis.regressors.predict import effect_torque, predicted_torque
+from irb2400_ctrl.diagnosis.regressors.predict import effect_torque
 
 UNSETTLED = (
     "the search for names ended before it settled: they come and go with each other, as where "
@@ -56,13 +56,13 @@ class Selection:
         """joint (from 1) with much that no name says, for which lesser names were taken back"""
         self.acceptance = Acceptance(fitter, self.criteria)
         motion = scan.motion
-        predicted = predicted_torque(fitter.robot, motion, fitter.bases)
+        predicted = fitter.predicted()
         robot = fitter.robot
         stated = [effect_torque(fitter.bases, e, motion) for e in robot.effects]
         self.threshold = Threshold(self.criteria, motion, [predicted, *stated], robot.usually_left)
         left = motion.tau - predicted
         self.turns = AtReversals(motion, left)
-        self.load_changes = AtLoadChanges(motion, left, fitter.bases.model)
+        self.load_changes = AtLoadChanges(motion, left, scan.load, fitter.bases.model)
 
     def run(self) -> tuple[list[Step], Fit]:
         """The accepted explanations, in the order they were found, and their common fit."""

@@ -287,14 +287,15 @@ class Fitter:
         """What the robot with these effects leaves of the filtered torque, shape (rows, n) [Nm]."""
         if all(e.chain == "torque" for e in (*self.robot.effects, *effects)):
             return np.asarray(self._left_by_none - sum(self._torque(e) for e in effects))
-        robot = self.robot.model_copy(update={"effects": (*self.robot.effects, *effects)})
-        predicted = predicted_torque(robot, self.motion, self.bases)
-        return self.motion.filtered_reading(self.motion.tau_smooth - predicted)
+        return self.motion.filtered_reading(self.motion.tau_smooth - self.predicted(effects))
 
     @cached_property
     def _left_by_none(self) -> Array:
-        predicted = predicted_torque(self.robot, self.motion, self.bases)
-        return self.motion.filtered_reading(self.motion.tau_smooth - predicted)
+        return self.motion.filtered_reading(self.motion.tau_smooth - self.predicted())
+
+    def predicted(self, effects: Sequence[Effect] = ()) -> Array:
+        """What the log should show of the robot with these effects as well, shape (m, n) [Nm]."""
+        return predicted_torque(self.robot.with_effects(*effects), self.motion, self.bases)
 
     def _torque(self, effect: Effect, filtered: bool = True) -> Array:
         return np.asarray(self.placed(effect, filtered=filtered) @ np.array(effect.coefficients()))

@@ -12,7 +12,7 @@ from irb2400_ctrl.arrays import Array, Mask
 from irb2400_ctrl.diagnosis.estimation.candidate import Candidate
 from irb2400_ctrl.diagnosis.estimation.fit import Fit, Fitter
 from irb2400_ctrl.diagnosis.estimation.through_chain import delayed, shown_of, slope_of_shown
-from irb2400_ctrl.diagnosis.regressors.predict import effect_torque, predicted_torque
+from irb2400_ctrl.diagnosis.regressors.predict import effect_torque
 from irb2400_ctrl.effects import Effect
 from irb2400_ctrl.effects.base import OPEN_END_S
 
@@ -105,8 +105,7 @@ class HeldOut:
         fitter = self.fitter
         motion = fitter.motion
         others = [e for k, e in enumerate(self.fit.effects) if k not in effects]
-        robot = fitter.robot.model_copy(update={"effects": (*fitter.robot.effects, *others)})
-        given = motion.at_rows(motion.tau - predicted_torque(robot, motion, fitter.bases))
+        given = motion.at_rows(motion.tau - fitter.predicted(others))
         return Worth.of(given, self._told(self.fit, self._found), self._known)
 
     def told_of(self, effects: Sequence[int]) -> Worth:
@@ -193,8 +192,7 @@ class HeldOut:
         plain = fitter.plain
         assert plain is not None
         bare = [e.model_copy(update={"discrepancy": ()}) for e in fit.effects]
-        robot = fitter.robot.model_copy(update={"effects": (*fitter.robot.effects, *bare)})
-        left = motion.at_rows(motion.tau - predicted_torque(robot, motion, fitter.bases))
+        left = motion.at_rows(motion.tau - fitter.predicted(bare))
         columns, places = self._of_names(fit, bare)
         late = [e for e in bare if e.chain == "clock"]
         shown = shown_of(bare, motion)

@@ -7,10 +7,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.arrays import Array, rms
 from irb2400_ctrl.effects import LIBRARY
 from irb2400_ctrl.identification.fitting.columns import COUPLED, ColumnLayout, Extra
-from irb2400_ctrl.identification.fitting.cross_validation import overall, unseen_rms
+from irb2400_ctrl.identification.fitting.cross_validation import unseen_rms
 from irb2400_ctrl.identification.fitting.estimate import (
     MOST_WIDTH,
     Estimate,
@@ -112,7 +112,7 @@ class Choice:
             places = layout.within(self.whole)
             parts = (self.sums.part(places), self.prior.part(places))
             positive = layout.positive()
-            left.append(overall(unseen_rms(*parts, like, self.base.correlation, positive)))
+            left.append(rms(unseen_rms(*parts, like, self.base.correlation, positive)))
         return _gains(extra, replace(trial, left=left[1]), replace(now, left=left[0]))
 
     def _reaches_further(self, extra: Extra, trial: _Trial, now: _Trial) -> bool:
@@ -150,7 +150,7 @@ class Choice:
             consistent=False,
             sigma=base.free.sigma,
         )
-        left = overall(unseen_rms(part, own, like, base.correlation))
+        left = rms(unseen_rms(part, own, like, base.correlation))
         first = layout.inertial + 4 * layout.n
         added = layout.positive()[first:]
         possible = bool((like.theta[first:][added] > 0.0).all())

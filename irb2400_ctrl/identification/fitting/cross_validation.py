@@ -49,8 +49,3 @@ def unseen_rms(
         count = np.maximum(part.count.sum(axis=0), 1.0)
         found.append(np.sqrt(part.squared_error(theta).sum(axis=0) / count))
     return np.array(found)
-
-
-def overall(rms: Array) -> Array:
-    """Root mean square over the stretches, per joint, shape (n,)."""
-    return np.asarray(np.sqrt(np.mean(rms**2, axis=0)))

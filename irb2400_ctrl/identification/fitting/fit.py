@@ -8,10 +8,10 @@ from functools import cache
 
 import numpy as np
 
-from irb2400_ctrl.arrays import Array, Integers, Mask
+from irb2400_ctrl.arrays import Array, Integers, Mask, rms
 from irb2400_ctrl.identification.fitting.choice import PINNED, Choice, candidates
 from irb2400_ctrl.identification.fitting.columns import ColumnLayout, Extra
-from irb2400_ctrl.identification.fitting.cross_validation import FOLDS, overall, unseen_rms
+from irb2400_ctrl.identification.fitting.cross_validation import FOLDS, unseen_rms
 from irb2400_ctrl.identification.fitting.estimate import (
     Estimate,
     averaged,
@@ -93,7 +93,7 @@ def left_unseen(model: Model, parts: Sequence[Recording]) -> Array:
     positive = layout.positive()
     usual = np.full(layout.n, USUAL)
     like = estimate(sums, prior, correlation=usual, positive=positive, consistent=False)
-    return overall(unseen_rms(sums, prior, like, usual))
+    return rms(unseen_rms(sums, prior, like, usual))
 
 
 def scale_of(parts: Sequence[Recording]) -> tuple[Array, Array, Array]:

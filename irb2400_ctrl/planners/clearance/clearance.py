@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
+
+from irb2400_ctrl.arrays import Array
 
 
 @dataclass(frozen=True)
@@ -22,13 +25,13 @@ class Clearance:
     keep: float = 0.0
     """what is to be kept between the two [m]"""
 
-    def summary(self, at: float) -> dict[str, Any]:
-        """Its entry in `plan.json`.
 
-        Args:
-            at: the place as a length of the TCP's way [m].
-        """
-        return {"value": 1e3 * self.value, "pair": list(self.pair), "at_mm": 1e3 * at}
+def entry(found: Clearance | None, way: Callable[[float], Array]) -> dict[str, Any]:
+    """The entry in `plan.json`; `way`: of the TCP at a length along the joint path, both [m]."""
+    if found is None:
+        return unknown("the robot file has no [outline], the space that the arm takes up")
+    at = float(way(found.s))
+    return {"value": 1e3 * found.value, "pair": list(found.pair), "at_mm": 1e3 * at}
 
 
 def unknown(reason: str) -> dict[str, Any]:

@@ -10,7 +10,7 @@ import numpy as np
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.cell import Scene
 from irb2400_ctrl.planners.certify import certify_joints
-from irb2400_ctrl.planners.clearance.clearance import unknown
+from irb2400_ctrl.planners.clearance.clearance import entry, unknown
 from irb2400_ctrl.planners.enclosure.path_dynamics import PathDynamics, path_dynamics
 from irb2400_ctrl.planners.enclosure.tcp_path import TcpPath
 from irb2400_ctrl.planners.linking.clearance_plane import ClearancePlane
@@ -19,11 +19,10 @@ from irb2400_ctrl.planners.plan_report import law_rows
 from irb2400_ctrl.planners.redundancy.follow import Followed
 from irb2400_ctrl.planners.timing.certificate import Certificate
 from irb2400_ctrl.planners.timing.infeasible_point import InfeasiblePointError
-from irb2400_ctrl.planners.timing.rate_limited.time_rate_limited import time_rate_limited
 from irb2400_ctrl.planners.timing.sampled_reference import SampledReference
 from irb2400_ctrl.planners.timing.sampled_reference.interpolation import Interpolation
 from irb2400_ctrl.planners.timing.task_path import TaskPath
-from irb2400_ctrl.planners.timing.time_choices import fastest, settled_law
+from irb2400_ctrl.planners.timing.time_choices import fastest, rate_limited, settled_law
 from irb2400_ctrl.planners.timing.time_law import TimeLaw
 from irb2400_ctrl.planners.timing.timing_options import TimingOptions
 from irb2400_ctrl.robot import Robot
@@ -108,16 +107,8 @@ def plan_joints(
         max_velocity_ratio=bounds.velocity_ratio,
         max_acceleration_ratio=bounds.acceleration_ratio,
         lowest=lowest(tcp, plane),
-        clearance=_clearance(scene, tcp),
+        clearance=entry(clearance_of(scene, joints), tcp.way),
     )
-
-
-def _clearance(scene: Scene | None, tcp: TcpPath) -> dict[str, Any]:
-    """The entry `clearance_mm`."""
-    found = clearance_of(scene, tcp.joints)
-    if found is None:
-        return unknown("the robot file has no [outline], the space that the arm takes up")
-    return found.summary(float(tcp.way(found.s)))
 
 
 def _timed(dynamics: PathDynamics, task: TaskPath, timing: TimingOptions) -> TimeLaw:
@@ -126,14 +117,7 @@ def _timed(dynamics: PathDynamics, task: TaskPath, timing: TimingOptions) -> Tim
     if not timing.limits.smooth:
         return first
     try:
-        return time_rate_limited(
-            dynamics,
-            task.joints,
-            timing.limits,
-            count=max(timing.cells // 2, 50),
-            sampling=timing.sampling,
-            feed_ratios=task.feed_ratios,
-        ).law
+        return rate_limited(dynamics, task, timing)
     except InfeasiblePointError:
         if timing.rates_stated:
             raise

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.arrays import Array, rotation_onto
 from irb2400_ctrl.cell import Rail
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.planners.clearance.clearance import unknown
@@ -198,13 +198,7 @@ def _turned(run: Run) -> ToolPath:
     R = Model(plan.robot).tcp_pose(q)[:, :3, :3]
     spindle = plan.robot.spindle_axis
     stated = path.tool_axis(spindle)
-    exact = np.array([_onto(-r @ spindle, axis) @ r for r, axis in zip(R, stated, strict=True)])
+    pairs = zip(R, stated, strict=True)
+    exact = np.array([rotation_onto(-r @ spindle, axis) @ r for r, axis in pairs])
     exact[0] = R[0]
     return ToolPath(path.position, None, exact, path.feed, path.name)
-
-
-def _onto(a: Array, b: Array) -> Array:
-    """The smallest rotation of a unit vector a onto b, shape (3, 3)."""
-    v = np.cross(a, b)
-    K = np.array([[0, -v[2], v[1]], [v[2], 0, -v[0]], [-v[1], v[0], 0]])
-    return np.asarray(np.eye(3) + K + K @ K / (1 + float(a @ b)))

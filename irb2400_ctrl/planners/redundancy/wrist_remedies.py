@@ -11,6 +11,7 @@ import numpy as np
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InfeasibleError, UnreachableError
 from irb2400_ctrl.model import Model
+from irb2400_ctrl.planners.joint_box import outside_box
 from irb2400_ctrl.planners.joint_path import JointPath
 from irb2400_ctrl.planners.redundancy.choice import Choice
 from irb2400_ctrl.planners.redundancy.choices import choices
@@ -118,11 +119,7 @@ def damped(model: Model, orientation: Orientation, start: Followed) -> Followed:
         angle = max(angle, float(np.linalg.norm(_rotation_vector(target[:3, :3] @ pose[:3, :3].T))))
         rows.append(q)
     path = np.array(rows)
-    if (
-        not np.isfinite(path).all()
-        or (path < model.robot.q_min).any()
-        or (path > model.robot.q_max).any()
-    ):
+    if not np.isfinite(path).all() or outside_box(model, path) is not None:
         raise InfeasibleError("damped least squares leaves the joint box")
     path = np.hstack([path, orientation.external(u)])
     return Followed(JointPath.through(s, path), u, position, angle)

@@ -15,6 +15,7 @@ from irb2400_ctrl.planners.redundancy.choice import LONG, Choice
 from irb2400_ctrl.planners.redundancy.wrist_passage import EXACT
 from irb2400_ctrl.planners.timing.infeasible_point import InfeasiblePointError
 from irb2400_ctrl.planners.timing.piecewise_constant_law import PiecewiseConstantLaw
+from irb2400_ctrl.planners.timing.rate_limited.rate_limited_law import RateLimitedLaw
 from irb2400_ctrl.planners.timing.rate_limited.rate_summary import rate_summary
 from irb2400_ctrl.planners.timing.rate_limited.time_rate_limited import time_rate_limited
 from irb2400_ctrl.planners.timing.sampled_reference.settled_reference import (
@@ -139,32 +140,43 @@ def limit_rates(
     Raises:
         InfeasibleError: none has one; says where.
     """
-    limits = options.limits
     if not options.rates_stated and len(ranked[0].path.joints.knots) > RATES_UP_TO:
         return replace(ranked[0], rates={"rates_note": LONG_NOTE})
-    count = max(options.cells // 2, 50)
     problem: InfeasibleError | None = None
     for option in ranked:
         path = option.path
         try:
-            law = time_rate_limited(
-                dynamics,
-                path.joints,
-                limits,
-                count=count,
-                feed=path.feed,
-                sampling=options.sampling,
-                feed_ratios=path.feed_ratios,
-            ).law
+            law = rate_limited(dynamics, path, options)
         except InfeasiblePointError as error:
             problem = _placed(error, path)
             continue
-        rates = rate_summary(law, path.joints, limits, dynamics, option.fastest)
+        rates = rate_summary(law, path.joints, options.limits, dynamics, option.fastest)
         return replace(option, law=law, rates=rates)
     if not options.rates_stated:
         # a torque that jumps by itself: the rows are slowed instead, until they keep the limits
         return ranked[0]
     raise problem or InfeasibleError("no motion within the limits")
+
+
+def rate_limited(dynamics: PathDynamics, path: TaskPath, options: TimingOptions) -> RateLimitedLaw:
+    """The fastest law with limits of torque rate and jerk, too.
+
+    Args:
+        dynamics: the arm's torque along the path.
+        path: the TCP along the joints; options: of the timing.
+
+    Raises:
+        InfeasiblePointError: there is none; says where.
+    """
+    return time_rate_limited(
+        dynamics,
+        path.joints,
+        options.limits,
+        count=max(options.cells // 2, 50),
+        feed=path.feed,
+        sampling=options.sampling,
+        feed_ratios=path.feed_ratios,
+    ).law
 
 
 def settle(

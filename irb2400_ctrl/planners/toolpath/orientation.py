@@ -7,19 +7,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from irb2400_ctrl.arrays import Array, norms
+from irb2400_ctrl.arrays import Array, norms, rotations_about
 from irb2400_ctrl.cell.external_axes import ExternalAxes
 from irb2400_ctrl.planners.toolpath.task_curve import TaskCurve, smooth_curve
 from irb2400_ctrl.planners.toolpath.toolpath import ToolPath
-
-
-def rotations_about(axis: Array, angle: Array) -> Array:
-    """Rotation matrices (n, 3, 3) about a unit axis (3,) by angles (n,) [rad] (Rodrigues)."""
-    K = np.array([[0, -axis[2], axis[1]], [axis[2], 0, -axis[0]], [-axis[1], axis[0], 0]])
-    s = np.sin(angle)[:, None, None]
-    c = np.cos(angle)[:, None, None]
-    turned: Array = np.eye(3) + s * K + (1 - c) * (K @ K)
-    return turned
+from irb2400_ctrl.robot.capsule_fit import half_sphere
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,7 +57,7 @@ class Orientation:
             u = np.arange(curve.segments + 1.0)
             turned = part.axes.turned(part.law(u))[:, :3, :3]
             axes = np.einsum("mij,mj->mi", turned, curve.pose(u)[1])
-        candidates = np.vstack([np.eye(3), _sphere(60)])
+        candidates = np.vstack([np.eye(3), half_sphere(60)])
         across = np.array([norms(np.cross(axes, other)).min() for other in candidates])
         # base x, then y, then z unless the axes come near: a guide that a user can remember
         good = np.flatnonzero(across > 0.5)
@@ -142,12 +134,3 @@ def shape_path(
     """
     placed = path if work_frame is None else path.moved(work_frame)
     return Orientation.of(smooth_curve(placed, tolerance), spindle)
-
-
-def _sphere(count: int) -> Array:
-    """Directions spread evenly over half a sphere (Fibonacci spiral), shape (count, 3)."""
-    k = np.arange(count) + 0.5
-    z = 1 - k / count
-    angle = np.pi * (1 + 5**0.5) * k
-    r = np.sqrt(1 - z**2)
-    return np.stack([r * np.cos(angle), r * np.sin(angle), z], axis=1)

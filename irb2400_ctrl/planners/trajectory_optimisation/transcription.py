@@ -170,11 +170,6 @@ class Transcription:
         n = self.model.robot.n
         return n * (self.objective == "energy") + n * (self.torque_rate is not None)
 
-    @cached_property
-    def _segment(self) -> npt.NDArray[np.int64]:
-        """Segment of each interval."""
-        return np.repeat(np.arange(len(self.intervals)), self.intervals)
-
     def _coupling(self, step: Array) -> tuple[ca.Function, Array, Array]:
         """x -> (objective, rows that couple knots), and the bounds of these rows; `step` is the
         unit of dt [s]."""
@@ -254,7 +249,7 @@ class Transcription:
         statistics = solver.stats()
         x = np.asarray(found["x"]).ravel()
         w = x[: knots * width].reshape(knots, width) * scale
-        dt = (x[-len(self.intervals) :] * step)[self._segment]
+        dt = np.repeat(x[-len(self.intervals) :] * step, self.intervals)
         q = w[:, :n]
         q[at] = self.waypoints
         return Solved(

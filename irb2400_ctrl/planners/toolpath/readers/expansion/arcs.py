@@ -104,10 +104,11 @@ def largest_miss(arc: Arc, start: Array) -> float:
 
 
 def sweep(arc: Arc, start: Array, end: Array) -> float:
-    """Angle from start to end about the normal, a full turn where the end is the start [rad].
+    """Angle from start to end about the normal, a full turn where the end is the start, and the
+    whole turns before [rad].
 
     Args:
-        arc: its centre and normal.
+        arc: its axis and turns.
         start: [m], shape (3,).
         end: [m], shape (3,).
     """
