@@ -4,7 +4,7 @@ it: C, C++, file systems and CMake all read them."""
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable, Sequence
 
 from irb2400_ctrl.codegen.block import Block, Field
 from irb2400_ctrl.errors import InputError
@@ -154,8 +154,15 @@ def init_function(block: Block) -> str:
     )
 
 
-def finished(block: Block, results: Sequence[Sequence[str]]) -> str:
-    """Test the result as a whole, then store it."""
+def finished(block: Block, results: Sequence[Sequence[str]], taken: Collection[str]) -> str:
+    """Test the result as a whole, then store it.
+
+    Args:
+        block: whose step ends here.
+        results: C expressions of the next states, then of the outputs, element by element.
+        taken: names of the locals of the step.
+    """
+    results, kept = _read_before(block, results, taken)
     upper = block.name.upper()
     # a limit that is no number would not cut
     limits = [
@@ -175,7 +182,7 @@ def finished(block: Block, results: Sequence[Sequence[str]]) -> str:
             stores.append(f"output->{field.name}[{i}] = {clip(field, i, text)};")
             stores.append(f"state->held_{field.name}[{i}] = output->{field.name}[{i}];")
     return (
-        f"        const real_t total = {joined(flat, ' + ', 12)};\n"
+        f"{kept}        const real_t total = {joined(flat, ' + ', 12)};\n"
         "        if ((total - total) == R(0.0)) {\n"
         f"{indented(stores, 12)}\n"
         "        } else {\n"
@@ -183,6 +190,31 @@ def finished(block: Block, results: Sequence[Sequence[str]]) -> str:
         f"{upper}_FAULT_INPUT;\n"
         "        }"
     )
+
+
+def _read_before(
+    block: Block, results: Sequence[Sequence[str]], taken: Collection[str]
+) -> tuple[list[list[str]], str]:
+    """The results with a local in place of a state that goes elsewhere as it is, which the stores
+    would overwrite first; and the lines that read these.
+
+    Args:
+        block: whose step ends here.
+        results: C expressions, element by element.
+        taken: names that no local may have.
+    """
+    places = [[f"state->{f.name}[{i}]" for i in range(f.size)] for f in block.states]
+    places += [[""] * f.size for f in block.outputs]
+    local: dict[str, str] = {}
+    for column, place in zip(results, places, strict=True):
+        for text, own in zip(column, place, strict=True):
+            if text.startswith("state->") and text not in (own, *local):
+                name = "was_" + "_".join(re.findall(r"\w+", text.removeprefix("state->")))
+                while name in taken:
+                    name += "_"
+                local[text] = name
+    lines = [f"        const real_t {name} = {text};\n" for text, name in local.items()]
+    return [[local.get(text, text) for text in column] for column in results], "".join(lines)
 
 
 def held(block: Block) -> str:

@@ -158,6 +158,7 @@ def parameter_guard(name: str, table: Sequence[Field]) -> str:
     if not table:
         return f"{head}    (void)parameters;\n    return true;\n}}\n"
     loops = []
+    bounds = "".join(_bounds_apart(field) for field in table)
     for size in sorted({f.size for f in table}):
         alike = [f for f in table if f.size == size]
         tests = [term for f in alike for term in _terms(f)]
@@ -165,15 +166,31 @@ def parameter_guard(name: str, table: Sequence[Field]) -> str:
         rows += [f"        valid = valid && {joined(tests, ' && ', 12)};\n"] if tests else []
         loops.append(f"    for (uint32_t i = 0u; i < {size}u; i++) {{\n{''.join(rows)}    }}\n")
     return (
-        f"{head}    bool valid = true;\n    real_t sum = R(0.0);\n{''.join(loops)}"
+        f"{head}{bounds}    bool valid = true;\n    real_t sum = R(0.0);\n{''.join(loops)}"
         "    return valid && ((sum - sum) == R(0.0));\n}\n"
+    )
+
+
+def _ends(field: Field) -> tuple[tuple[str, str, tuple[float, ...]], ...]:
+    """(operator, word, bounds) on either side of a field that has them."""
+    ends = ((">=", "least", field.lower), ("<=", "most", field.upper))
+    return tuple(end for end in ends if end[2])
+
+
+def _bounds_apart(field: Field) -> str:
+    """C tables of the bounds that are not the same for all elements."""
+    return "".join(
+        f"    static const real_t {word}_{field.name}[{field.size}] = "
+        f"{{ {', '.join(f'R({float(v)!r})' for v in bounds)} }};\n"
+        for _, word, bounds in _ends(field)
+        if len(set(bounds)) > 1
     )
 
 
 def _terms(field: Field) -> list[str]:
     """C conditions on element i."""
-    at = f"parameters->{field.name}[i]"
-    # one bound for all elements: those of a loop are alike
-    terms = [f"({at} >= R({max(field.lower)!r}))"] if field.lower else []
-    terms += [f"({at} <= R({min(field.upper)!r}))"] if field.upper else []
-    return terms
+    return [
+        f"(parameters->{field.name}[i] {operator} "
+        + (f"R({float(bounds[0])!r}))" if len(set(bounds)) == 1 else f"{word}_{field.name}[i])")
+        for operator, word, bounds in _ends(field)
+    ]

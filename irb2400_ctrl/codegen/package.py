@@ -46,6 +46,8 @@ FAULT_RESULT = 2
 """status bit: the computed step is not finite"""
 FAULT_PARAMETERS = 4
 """status bit of NAME_init: a parameter is not a number or outside its range"""
+BESIDE_ZERO = 1e-30
+"""least distance from zero of bounds that enclose it, in their unit"""
 
 
 @typed
@@ -78,6 +80,8 @@ class Package:
                     "that held_*, *_min, "
                     "*_max and *_limit are added for outputs and bounds; rename yours"
                 )
+        for field in self.block.parameters:
+            _check_default(self.block.name, field)
 
     @property
     def name(self) -> str:
@@ -253,7 +257,7 @@ uint32_t {name}_step({name}_state_t *state, const {name}_input_t *input,
         /* Section by section: the operations that a result needs and none above has needed. NAME_p1, NAME_p2 ...
            are the parts that NAME is put together from. */
 {indented(body.statements, 8)}
-{finished(self.block, body.results)}
+{finished(self.block, body.results, names.local.values())}
     }}
     if (status != 0u) {{
 {held(self.block)}
@@ -287,11 +291,25 @@ def _element(places: list[str], argument: int, i: int) -> str:
     return f"{places[argument]}[{i}]"
 
 
+def _check_default(block: str, field: Field) -> None:
+    """Refuse a parameter whose own default its bounds exclude: NAME_init would refuse the table."""
+    low = field.lower or (-np.inf,) * field.size
+    high = field.upper or (np.inf,) * field.size
+    if not all(a <= v <= b for a, v, b in zip(low, field.start, high, strict=True)):
+        raise InputError(
+            f"block {block!r}: the default of parameter {field.name!r} is {field.start.tolist()}; "
+            f"expected values inside its bounds {field.lower or 'none'} and "
+            f"{field.upper or 'none'}, or NAME_init refuses the package's own table; change one "
+            "of them"
+        )
+
+
 def _bound(field: Field, end: str, text: str, values: tuple[float, ...]) -> Field:
     """A row of the parameter table; the side of zero that a test of the inputs relies on is a bound
-    of the bound."""
-    zero = (0.0,) * field.size
-    low = zero if end == "limit" or (end == "max" and spans_zero(field)) else ()
-    high = zero if end == "min" and spans_zero(field) else ()
+    of the bound (zero itself has the bit pattern of neither side)."""
+    around = spans_zero(field)
+    low = (0.0,) * field.size if end == "limit" else ()
+    low = (BESIDE_ZERO,) * field.size if end == "max" and around else low
+    high = (-BESIDE_ZERO,) * field.size if end == "min" and around else ()
     name = f"{field.name}_{end}"
     return Field(name, field.size, field.unit, text, values, lower=low, upper=high)

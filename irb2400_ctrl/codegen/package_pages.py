@@ -24,7 +24,8 @@ def main_c(block: Block) -> str:
     """A program of ten lines that calls the step once."""
     name = block.name
     rows = (
-        ", ".join("{ " + ", ".join(f"{v:g}" for v in inside(f)) + " }" for f in block.inputs)
+        # every digit: a bound that is cut short lies outside
+        ", ".join("{ " + ", ".join(map(_shortest, inside(f))) + " }" for f in block.inputs)
         or "{ 0 }"
     )
     first = block.outputs[0]
@@ -46,6 +47,12 @@ int main(void)
     return (int)status;
 }}
 """
+
+
+def _shortest(value: float) -> str:
+    """The shortest decimal that reads back to the same number; whole numbers without a point."""
+    text = repr(float(value))
+    return text.removesuffix(".0")
 
 
 def readme(block: Block, real: str) -> str:

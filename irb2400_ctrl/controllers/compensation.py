@@ -24,6 +24,7 @@ import casadi as ca
 
 from irb2400_ctrl.codegen import Field
 from irb2400_ctrl.controllers.arm_numbers import ArmNumbers
+from irb2400_ctrl.controllers.parts import Clock
 from irb2400_ctrl.controllers.stribeck import faded_bell
 from irb2400_ctrl.effects import Effect
 from irb2400_ctrl.effects.memory import next_memory
@@ -146,11 +147,7 @@ class Compensation:
     @property
     def states(self) -> tuple[Field, ...]:
         """What the block has to remember for this torque."""
-        clock = (
-            (Field("clock", 1, "s", "time since the controller was started"),)
-            if self.uses_time
-            else ()
-        )
+        clock = self._clock.states if self.uses_time else ()
         return (*clock, *(field for _, field in self.memories))
 
     @property
@@ -177,7 +174,7 @@ class Compensation:
             qd_ref: speed that says where the arm is meant to go.
             slip: speed at which the Stribeck curve is read.
         """
-        clock = values["clock"] if self.uses_time else ca.SX(0)
+        clock = self._clock.time(values) if self.uses_time else ca.SX(0)
         memory = [values[field.name] for _, field in self.memories]
         given = ca.vertcat(*(values[field.name] for field in self.parameters))
         tau, grown, *steps = self._core.call(
@@ -190,4 +187,8 @@ class Compensation:
             f.name: grown[a:b] for (_, f), (a, b) in zip(self.memories, pairwise(ends), strict=True)
         }
         after |= {field.name: x for field, x in zip(self.told, steps, strict=True)}
-        return tau, after | ({"clock": clock + self.sample_time} if self.uses_time else {})
+        return tau, after | (self._clock.later(values) if self.uses_time else {})
+
+    @property
+    def _clock(self) -> Clock:
+        return Clock(self.sample_time)

@@ -21,7 +21,14 @@ from numpy.typing import ArrayLike
 from irb2400_ctrl.codegen import Block, Field
 from irb2400_ctrl.controllers.arm_numbers import ArmNumbers
 from irb2400_ctrl.controllers.origin import origin_of
-from irb2400_ctrl.controllers.parts import Values, assemble, check_masses, gain
+from irb2400_ctrl.controllers.parts import (
+    Clock,
+    Values,
+    assemble,
+    check_masses,
+    gain,
+    signals_in,
+)
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.model.linear_solve import factorise
@@ -39,8 +46,7 @@ for single precision: with 1e-3 J J^T + d^2 cost the float code thousands of new
 
 @dataclass(frozen=True)
 class Momentum:
-    """p and beta of an arm, effects included (memory in its steady state, time-dependent ones at
-    time zero).
+    """p and beta of an arm, effects included (memory in its steady state).
 
     Args:
         arm: constants of the code, or parameters of the block.
@@ -48,16 +54,26 @@ class Momentum:
 
     arm: ArmNumbers
 
-    def of(self, values: Values, q: ca.SX, qd: ca.SX) -> tuple[ca.SX, ca.SX]:
-        """(p, beta) at these angles and speeds, with the present values of the arm's
-        parameters."""
+    def of(self, values: Values, q: ca.SX, qd: ca.SX, time: ca.SX) -> tuple[ca.SX, ca.SX]:
+        """(p, beta) with the present values of the arm's parameters.
+
+        Args:
+            values: of the block's fields by name.
+            q, qd: angles and speeds [rad, rad/s], shape (n,).
+            time: since the start [s].
+        """
         given = [values[field.name] for field in self.arm.parameters]
-        p, beta = self._core.call([q, qd, *given], True, False)
+        p, beta = self._core.call([q, qd, time, *given], True, False)
         return p, beta
 
     @cached_property
+    def uses_time(self) -> bool:
+        """Whether an effect depends on the time since the start."""
+        return any(self._core.jac_sparsity(k, 2).nnz() for k in range(2))
+
+    @cached_property
     def _core(self) -> ca.Function:
-        """(q, qd, parameters...) -> (p, beta)."""
+        """(q, qd, time, parameters...) -> (p, beta)."""
         given = {field.name: ca.SX.sym(field.name, field.size) for field in self.arm.parameters}
         s = self.arm.signals(given)
         s = replace(s, sign=s.qd / ca.sqrt(s.qd**2 + SIGN_WIDTH**2))
@@ -65,15 +81,16 @@ class Momentum:
         others = zero
         for form in self.arm.forms(given):
             others += form.torque(s.with_state(form.effect.steady_state(s)))
-        added = _without(ca.jacobian(others, s.qdd), s.qd, s.qdd, s.time, s.qddd, s.qdddd)
-        others = _without(others, s.qdd, s.time, s.qddd, s.qdddd)
+        added = _without(ca.jacobian(others, s.qdd), s.qd, s.qdd, s.qddd, s.qdddd)
+        others = _without(others, s.qdd, s.qddd, s.qdddd)
         # shared before it is differentiated
         M = ca.cse(ca.densify(s.mass_matrix + added))
         weight = ca.cse(ca.densify(replace(s, qd=zero, qdd=zero).load))
         kinetic = 0.5 * s.qd.T @ M @ s.qd
         friction = self.arm.friction(given).torque(s.qd, s.sign)
         beta = ca.gradient(kinetic, s.q) - weight - friction - others
-        return ca.Function("momentum", [s.q, s.qd, *given.values()], [M @ s.qd, ca.cse(beta)])
+        taken = [s.q, s.qd, s.time, *given.values()]
+        return ca.Function("momentum", taken, [M @ s.qd, ca.cse(beta)])
 
 
 def _without(expression: ca.SX, *symbols: ca.SX) -> ca.SX:
@@ -99,10 +116,10 @@ def momentum_observer(
     check_masses(robot)
     n = robot.n
     core = Momentum(ArmNumbers(robot))
+    clock = Clock(sample_time)
     jacobian = Model(robot).function("tcp_jacobian")
     inputs = (
-        Field("q", n, "rad", "measured actuator angles"),
-        Field("qd", n, "rad/s", "measured actuator speeds"),
+        *signals_in(robot)[:2],
         Field("tau", n, "Nm", "torque that acts in the coming period"),
     )
     outputs = (
@@ -111,9 +128,12 @@ def momentum_observer(
     )
 
     def law(v: Values) -> Values:
-        tau_ext, after = residual(core, v, v["q"], v["qd"], v["tau"], sample_time)
+        time = clock.time(v) if core.uses_time else ca.SX(0)
+        p, beta = core.of(v, v["q"], v["qd"], time)
+        tau_ext, after = residual(v, p, beta, sample_time)
         J = jacobian(v["q"])
         wrench = factorise(J @ J.T + DAMPING**2 * ca.SX.eye(6)).solve(J @ tau_ext)
+        after |= clock.later(v) if core.uses_time else {}
         return {"tau_ext": tau_ext, "wrench": wrench, **after}
 
     block = assemble(
@@ -121,7 +141,7 @@ def momentum_observer(
         "external torque from the generalised momentum",
         sample_time,
         law,
-        states=observer_states(n),
+        states=(*observer_states(n), *(clock.states if core.uses_time else ())),
         inputs=inputs,
         outputs=outputs,
         parameters=(observer_bandwidth(robot, "observer", bandwidth, sample_time),),
@@ -163,15 +183,18 @@ def observer_states(n: int) -> tuple[Field, ...]:
     )
 
 
-def residual(
-    core: Momentum, v: Values, q: ca.SX, qd: ca.SX, tau: ca.SX, sample_time: float
-) -> tuple[ca.SX, Values]:
-    """The estimate at this sample; by name the observer's next states and what is told."""
-    p, beta = core.of(v, q, qd)
+def residual(v: Values, p: ca.SX, beta: ca.SX, sample_time: float) -> tuple[ca.SX, Values]:
+    """The estimate at this sample; by name the observer's next states and what is told.
+
+    Args:
+        v: present values by name.
+        p, beta: momentum and what changes it beside the torque, shape (n,).
+        sample_time: [s].
+    """
     # at the first sample nothing has been observed yet: the arm's present momentum counts as
     # explained
     explained = ca.if_else(v["running"] > 0, v["explained"], p)
-    tau_ext, after = followed(v["observer"], p, explained, tau + beta, sample_time)
+    tau_ext, after = followed(v["observer"], p, explained, v["tau"] + beta, sample_time)
     return tau_ext, {
         "explained": after,
         "running": ca.SX(1),

@@ -242,12 +242,13 @@ def test_the_observer_of_the_guards_carries_the_payload_of_the_table() -> None:
     tables = Momentum(ArmNumbers(with_effects((rotor,)), tables=True))
     q = rng.uniform(ARM.q_min, ARM.q_max)
     qd = rng.uniform(-1.0, 1.0, ARM.n)
+    motion = (ca.SX(q), ca.SX(qd), ca.SX(0))
     c = np.array(load.parameters()["com_m"])
     values = {f.name: ca.SX(f.start) for f in tables.arm.parameters}
-    without = [np.asarray(ca.DM(v)) for v in tables.of(values, ca.SX(q), ca.SX(qd))]
+    without = [np.asarray(ca.DM(v)) for v in tables.of(values, *motion)]
     values |= {"payload_mass": ca.SX(12.0), "payload_com": ca.SX(c)}
-    found = [np.asarray(ca.DM(v)) for v in tables.of(values, ca.SX(q), ca.SX(qd))]
-    expected = [np.asarray(ca.DM(v)) for v in known.of({}, ca.SX(q), ca.SX(qd))]
+    found = [np.asarray(ca.DM(v)) for v in tables.of(values, *motion)]
+    expected = [np.asarray(ca.DM(v)) for v in known.of({}, *motion)]
     np.testing.assert_allclose(found, expected, rtol=1e-9, atol=1e-8)
     assert np.abs(np.subtract(found, without)).max() > 10.0
     M = np.asarray(Model(with_effects((rotor, load))).mass_matrix(q))

@@ -197,7 +197,8 @@ def test_the_observer_in_single_precision_holds_near_singular_poses_too() -> Non
     reached = run_points(HostController(package), states, inputs)
     by_field, relative = compare_with_block(package, states, inputs, *reached)
     assert relative < 2e-4
-    assert by_field["wrench"] < 1.0
+    # at twice the speed limits the wrenches are up to 66 kN
+    assert by_field["wrench"] < 5.0
 
 
 def test_what_is_no_block_to_guard_is_refused() -> None:
