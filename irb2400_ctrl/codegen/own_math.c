@@ -124,9 +124,10 @@ typedef struct {
 static inline exponential_t own_expm1_parts(real_t x)
 {
     const real_t k = ((x * R(1.4426950408889634)) + ROUNDER) - ROUNDER;
-    const int32_t biased = (int32_t)k + EXPONENT_BIAS;
-    const int32_t top = (2 * EXPONENT_BIAS) + 1;
-    const int32_t clipped = (biased < 0) ? 0 : ((biased > top) ? top : biased);
+    /* what is no number counts as the lowest here, and stays none in r */
+    const real_t above = (k > R(-EXPONENT_BIAS)) ? k : R(-EXPONENT_BIAS);
+    const real_t inside = (above < R(EXPONENT_BIAS + 1)) ? above : R(EXPONENT_BIAS + 1);
+    const int32_t clipped = (int32_t)inside + EXPONENT_BIAS;
 #if REAL_IS_FLOAT
     const real_t r = (x - (k * R(0.693145751953125))) - (k * R(1.4286068203094173e-06));
     const real_t e = R(0.49999993533215575) + (r * (R(0.16666521157867678) + (r * (R(0.04166837709305781)

@@ -49,11 +49,14 @@ class ArmNumbers:
         return effect_tables(self.robot) if self.tables else {}
 
     def forms(self, given: Given) -> list[EffectForm]:
-        """The effects that act as a force, in the order of the robot's."""
+        """The effects that act as a force, in the order of the robot's.
+
+        An elastic joint counts as rigid: its spring would need the derivatives of the acceleration.
+        """
         return [
             self._form(place, given)
             for place, effect in enumerate(self.robot.effects)
-            if effect.role == "force"
+            if effect.role == "force" and effect.acts != "transmission"
         ]
 
     def _form(self, place: int, given: Given) -> EffectForm:

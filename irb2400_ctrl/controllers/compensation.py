@@ -63,10 +63,7 @@ class Compensation:
     @cached_property
     def effects(self) -> tuple[Effect, ...]:
         """Effects that load the actuators as a force (those on the arm's parameters are in the
-        model's mass data).
-
-        An elastic joint counts as rigid: its spring would need the derivatives of the acceleration.
-        """
+        model's mass data), as in `ArmNumbers.forms`."""
         return tuple(
             e for e in self.robot.effects if e.role == "force" and e.acts != "transmission"
         )
@@ -107,8 +104,6 @@ class Compensation:
         states = iter(old)
         new = []
         for form in self._numbers.forms(given):
-            if form.effect.acts == "transmission":
-                continue
             x = next(states) if form.states else ca.SX(0, 1)
             tau += form.torque(s.with_state(x))
             if form.states:

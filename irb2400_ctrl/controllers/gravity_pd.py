@@ -24,6 +24,7 @@ from irb2400_ctrl.controllers.scaling import (
     typical_inertia,
 )
 from irb2400_ctrl.model import Model
+from irb2400_ctrl.model.elasticity import rigid
 from irb2400_ctrl.robot import Robot
 from irb2400_ctrl.typed import typed
 
@@ -60,7 +61,7 @@ def gravity_pd(
         gain(robot, "kp", "Nm/rad", "torque per angle error", J * omega**2),
         gain(robot, "kd", "Nm s/rad", "torque per speed error", 2 * zeta * J * omega),
     )
-    gravity = Model(robot).function("gravity")
+    gravity = Model(rigid(robot)).function("gravity")
 
     def law(v: Values) -> Values:
         weight = gravity.call([v["q"]], True, False)[0]

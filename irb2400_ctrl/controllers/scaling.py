@@ -14,8 +14,10 @@ from numpy.typing import NDArray
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.controllers.timing import Timing
+from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.robot import Robot
+from irb2400_ctrl.wording import joined
 
 TURNED = 0.9
 """[rad] that the delay may turn the lightest speed loop at its crossover: sensitivity peak 2.5"""
@@ -38,12 +40,25 @@ def typical_inertia(robot: Robot) -> NDArray[np.float64]:
     This is what a torque on one axis has to move while the others are free: with the wrist
     stretched, axes 4 and 6 turn against each other and each is a third as heavy as M_jj says. The
     gain error of an axis is then the same factor, up and down, at both ends of its range.
+
+    Raises:
+        InputError: in some posture an axis has no inertia, or less than none.
     """
     rng = np.random.default_rng(0)
     q = rng.uniform(robot.q_min, robot.q_max, (256, robot.n))
     if robot.n > 4:
         q[0, 4] = 0.0  # the lightest pose of the wrist, which chance may miss
-    felt = 1.0 / np.einsum("kjj->kj", np.linalg.inv(Model(robot).mass_matrix(q)))
+    M = Model(robot).mass_matrix(q)
+    least = float(np.linalg.eigvalsh(M).min())
+    felt = 1.0 / np.einsum("kjj->kj", np.linalg.inv(M))
+    if not felt.min() > 0:
+        kinds = dict.fromkeys(effect.kind for effect in robot.effects)
+        raise InputError(
+            f"{robot.name}: found a posture in which some motion has no kinetic energy (least "
+            f"eigenvalue of the mass matrix {least:.3g} kg m2), expected some in every posture; "
+            "correct the bodies of the links"
+            + (f", or the inertias of its effects ({joined(kinds)})" if kinds else "")
+        )
     return np.asarray(np.sqrt(felt.min(axis=0) * felt.max(axis=0)))
 
 

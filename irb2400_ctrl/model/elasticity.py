@@ -85,6 +85,12 @@ def links_only(robot: Robot) -> Robot:
     return robot.model_copy(update={"effects": kept})
 
 
+def rigid(robot: Robot) -> Robot:
+    """The robot as a controller takes it: no joint has a spring or play."""
+    kept = tuple(e for e in robot.effects if e.acts != "transmission")
+    return robot.model_copy(update={"effects": kept})
+
+
 def _in_transmissions(robot: Robot) -> list[Effect]:
     return [effect for effect in robot.effects if effect.acts == "transmission"]
 

@@ -3,6 +3,7 @@ that touch zero or have many digits."""
 
 from __future__ import annotations
 
+import shutil
 import subprocess
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -127,3 +128,35 @@ def test_the_example_starts_inside_bounds_of_many_digits(real: Real, tmp_path: P
     subprocess.run(command, cwd=tmp_path, check=True)
     done = subprocess.run(["./example"], cwd=tmp_path, capture_output=True, text=True, check=False)
     assert done.stdout.startswith("status 0"), done.stdout
+
+
+NO_NUMBER = """
+#include "small.h"
+
+int main(void)
+{
+    small_state_t state;
+    small_output_t output;
+    small_input_t input = { { 1.0f } };
+    uint32_t bad = small_init(&state, &small_default_parameters);
+    bad |= small_step(&state, &input, &small_default_parameters, &output);
+    input.u[0] = (small_real_t)(__builtin_nanf(""));
+    return (bad != 0u) ? 1 : (int)small_step(&state, &input, &small_default_parameters, &output);
+}
+"""
+
+
+@pytest.mark.skipif(shutil.which("gcc") is None, reason="no gcc")
+@pytest.mark.parametrize("real", REALS)
+def test_no_number_is_never_made_an_integer(real: Real, tmp_path: Path) -> None:
+    """An input that is no number passes through the exponential before the result tells it; its
+    conversion to an integer has no meaning in C, and a build that traps it ended there."""
+    block = block_of(lambda u: (u + ca.exp(u) + ca.tanh(u),))
+    for name, text in Package(block, real).files().items():
+        (tmp_path / name).write_text(text, encoding="utf-8")
+    assert "inputs_are_sound" not in (tmp_path / "small.c").read_text(encoding="utf-8")
+    (tmp_path / "main.c").write_text(NO_NUMBER, encoding="utf-8")
+    trap = ["-fsanitize=float-cast-overflow", "-fsanitize-undefined-trap-on-error"]
+    command = ["gcc", "-std=c99", *trap, "small.c", "main.c", "-o", "example"]
+    subprocess.run(command, cwd=tmp_path, check=True)
+    assert subprocess.run(["./example"], cwd=tmp_path, check=False).returncode == 1
