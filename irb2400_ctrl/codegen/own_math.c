@@ -125,8 +125,10 @@ static inline exponential_t own_expm1_parts(real_t x)
 {
     const real_t k = ((x * R(1.4426950408889634)) + ROUNDER) - ROUNDER;
     /* what is no number counts as the lowest here, and stays none in r */
-    const real_t above = (k > R(-EXPONENT_BIAS)) ? k : R(-EXPONENT_BIAS);
-    const real_t inside = (above < R(EXPONENT_BIAS + 1)) ? above : R(EXPONENT_BIAS + 1);
+    const int32_t bottom = -EXPONENT_BIAS;
+    const int32_t top = EXPONENT_BIAS + 1;
+    const real_t above = (k > R(bottom)) ? k : R(bottom);
+    const real_t inside = (above < R(top)) ? above : R(top);
     const int32_t clipped = (int32_t)inside + EXPONENT_BIAS;
 #if REAL_IS_FLOAT
     const real_t r = (x - (k * R(0.693145751953125))) - (k * R(1.4286068203094173e-06));

@@ -3,7 +3,7 @@ running one: one image for many tools and arms."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -11,6 +11,7 @@ import casadi as ca
 
 from irb2400_ctrl.codegen import Field
 from irb2400_ctrl.controllers.effect_tables import EffectTable, effect_tables
+from irb2400_ctrl.effects import Effect
 from irb2400_ctrl.effects.form import EffectForm
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.model.friction import FrictionLaw
@@ -48,16 +49,18 @@ class ArmNumbers:
     def _effects(self) -> dict[int, EffectTable]:
         return effect_tables(self.robot) if self.tables else {}
 
-    def forms(self, given: Given) -> list[EffectForm]:
-        """The effects that act as a force, in the order of the robot's.
+    @property
+    def forces(self) -> tuple[Effect, ...]:
+        """The effects that load the actuators as a force, in the order of the robot's.
 
         An elastic joint counts as rigid: its spring would need the derivatives of the acceleration.
         """
-        return [
-            self._form(place, given)
-            for place, effect in enumerate(self.robot.effects)
-            if effect.role == "force" and effect.acts != "transmission"
-        ]
+        return tuple(e for e in self.robot.effects if _is_force(e))
+
+    def forms(self, given: Given) -> list[EffectForm]:
+        """`forces` with the present values of the parameters."""
+        every = enumerate(self.robot.effects)
+        return [self._form(place, given) for place, effect in every if _is_force(effect)]
 
     def _form(self, place: int, given: Given) -> EffectForm:
         if place in self._effects:
@@ -89,6 +92,27 @@ class ArmNumbers:
                 link = min(carrier, n) - 1
                 added[link, :] += (on_flange @ body if carrier > n else body).T
         return added
+
+
+def _is_force(effect: Effect) -> bool:
+    return effect.role == "force" and effect.acts != "transmission"
+
+
+def memory_fields(effects: Sequence[Effect]) -> tuple[tuple[Effect, Field], ...]:
+    """The effects with internal states, and those states as fields of a block."""
+    return tuple(
+        (
+            effect,
+            Field(
+                f"{effect.kind}_{effect.joint or 'arm'}_{place}",
+                len(effect.states),
+                "-",
+                f"memory {', '.join(effect.states)} of {effect.kind}",
+            ),
+        )
+        for place, effect in enumerate(effects)
+        if effect.states
+    )
 
 
 def payload_fields() -> tuple[Field, ...]:

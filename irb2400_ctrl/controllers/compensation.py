@@ -23,7 +23,7 @@ from itertools import pairwise
 import casadi as ca
 
 from irb2400_ctrl.codegen import Field
-from irb2400_ctrl.controllers.arm_numbers import ArmNumbers
+from irb2400_ctrl.controllers.arm_numbers import ArmNumbers, memory_fields
 from irb2400_ctrl.controllers.parts import Clock
 from irb2400_ctrl.controllers.stribeck import faded_bell
 from irb2400_ctrl.effects import Effect
@@ -63,27 +63,13 @@ class Compensation:
     @cached_property
     def effects(self) -> tuple[Effect, ...]:
         """Effects that load the actuators as a force (those on the arm's parameters are in the
-        model's mass data), as in `ArmNumbers.forms`."""
-        return tuple(
-            e for e in self.robot.effects if e.role == "force" and e.acts != "transmission"
-        )
+        model's mass data)."""
+        return self._numbers.forces
 
     @cached_property
     def memories(self) -> tuple[tuple[Effect, Field], ...]:
         """The effects with internal states, and those states as fields of the block."""
-        return tuple(
-            (
-                effect,
-                Field(
-                    f"{effect.kind}_{effect.joint or 'arm'}_{place}",
-                    len(effect.states),
-                    "-",
-                    f"memory {', '.join(effect.states)} of {effect.kind}",
-                ),
-            )
-            for place, effect in enumerate(self.effects)
-            if effect.states
-        )
+        return memory_fields(self.effects)
 
     @cached_property
     def _core(self) -> ca.Function:

@@ -74,7 +74,7 @@ def guarded(
     check = SampleCheck(robot, T, LAGGING if _lags(block) else LEADING)
     # the observer knows what the controller knows: a load that is set for one is set for both
     arm = ArmNumbers(robot, tables={"payload_mass"} <= {f.name for f in block.parameters})
-    agreed = Consistency(Momentum(arm), T) if consistency else None
+    agreed = Consistency(Momentum(arm, T, "observed_"), T) if consistency else None
     tuned = (*check.parameters, *(agreed.parameters if agreed else ()))
     guards = assemble(
         block.name,
@@ -117,6 +117,7 @@ class _Guard:
         lost = ca.if_else(true, 0, v["lost"] + 1)
         out = ca.logic_and(true, ca.logic_not(sound))
         braked = ca.fmax(v["braked"], ca.logic_or(lost > self.most_lost, out))
+        begun = ca.logic_or(true, v["blend"] > 0)
         after, own = self._controlled(v, ca.logic_and(true, ca.logic_not(braked)))
         tau = ca.if_else(v["braked"], v["tau_last"], _guarded_torque(v, own, T))
         return {
@@ -129,7 +130,8 @@ class _Guard:
             "qd_last": ca.if_else(true, v["qd"], v["qd_ref"]),
             "lost": lost,
             "braked": braked,
-            "blend": ca.fmin(v["blend"] + self.share, 1.0),
+            # the start begins with the first sample that is believed; the brake's torque until then
+            "blend": ca.if_else(begun, ca.fmin(v["blend"] + self.share, 1.0), 0.0),
             "bump": _bump(v, own),
         }
 

@@ -19,7 +19,7 @@ import casadi as ca
 from numpy.typing import ArrayLike
 
 from irb2400_ctrl.codegen import Block, Field
-from irb2400_ctrl.controllers.arm_numbers import ArmNumbers
+from irb2400_ctrl.controllers.arm_numbers import ArmNumbers, memory_fields
 from irb2400_ctrl.controllers.origin import origin_of
 from irb2400_ctrl.controllers.parts import (
     Clock,
@@ -29,6 +29,7 @@ from irb2400_ctrl.controllers.parts import (
     gain,
     signals_in,
 )
+from irb2400_ctrl.effects.memory import next_memory
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.model.linear_solve import factorise
@@ -46,51 +47,82 @@ for single precision: with 1e-3 J J^T + d^2 cost the float code thousands of new
 
 @dataclass(frozen=True)
 class Momentum:
-    """p and beta of an arm, effects included (memory in its steady state).
+    """p and beta of an arm, effects included: those with memory remember, along the measured speed;
+    those that change with the time know it.
 
     Args:
         arm: constants of the code, or parameters of the block.
+        sample_time: of the block [s].
+        prefix: of the names of its states.
     """
 
     arm: ArmNumbers
+    sample_time: float
+    prefix: str = ""
 
-    def of(self, values: Values, q: ca.SX, qd: ca.SX, time: ca.SX) -> tuple[ca.SX, ca.SX]:
-        """(p, beta) with the present values of the arm's parameters.
+    @property
+    def states(self) -> tuple[Field, ...]:
+        """What the effects have to remember."""
+        return (*(self._clock.states if self._uses_time else ()), *self._memories)
+
+    def of(self, values: Values, q: ca.SX, qd: ca.SX) -> tuple[ca.SX, ca.SX, Values]:
+        """p, beta, and by name the next values of `states`.
 
         Args:
-            values: of the block's fields by name.
+            values: present values of the states and of the arm's parameters by name.
             q, qd: angles and speeds [rad, rad/s], shape (n,).
-            time: since the start [s].
         """
         given = [values[field.name] for field in self.arm.parameters]
-        p, beta = self._core.call([q, qd, time, *given], True, False)
-        return p, beta
+        time = self._clock.time(values) if self._uses_time else ca.SX(0)
+        memory = [values[field.name] for field in self._memories]
+        p, beta, *grown = self._core.call([q, qd, time, *memory, *given], True, False)
+        after = dict(zip((field.name for field in self._memories), grown, strict=True))
+        return p, beta, after | (self._clock.later(values) if self._uses_time else {})
+
+    @property
+    def _clock(self) -> Clock:
+        return Clock(self.sample_time, f"{self.prefix}clock")
 
     @cached_property
-    def uses_time(self) -> bool:
+    def _memories(self) -> tuple[Field, ...]:
+        """The internal states of each effect that has some."""
+        fields = memory_fields(self.arm.forces)
+        return tuple(replace(field, name=f"{self.prefix}{field.name}") for _, field in fields)
+
+    @cached_property
+    def _uses_time(self) -> bool:
         """Whether an effect depends on the time since the start."""
-        return any(self._core.jac_sparsity(k, 2).nnz() for k in range(2))
+        return any(self._core.jac_sparsity(k, 2).nnz() for k in range(self._core.n_out()))
 
     @cached_property
     def _core(self) -> ca.Function:
-        """(q, qd, time, parameters...) -> (p, beta)."""
+        """(q, qd, time, memories..., parameters...) -> (p, beta, next memories...)."""
         given = {field.name: ca.SX.sym(field.name, field.size) for field in self.arm.parameters}
         s = self.arm.signals(given)
         s = replace(s, sign=s.qd / ca.sqrt(s.qd**2 + SIGN_WIDTH**2))
         zero = ca.SX.zeros(self.arm.robot.n)
         others = zero
+        old = [ca.SX.sym(field.name, field.size) for field in self._memories]
+        states = iter(old)
+        new = []
         for form in self.arm.forms(given):
-            others += form.torque(s.with_state(form.effect.steady_state(s)))
-        added = _without(ca.jacobian(others, s.qdd), s.qd, s.qdd, s.qddd, s.qdddd)
-        others = _without(others, s.qdd, s.qddd, s.qdddd)
+            x = next(states) if form.states else ca.SX(0, 1)
+            others += form.torque(s.with_state(x))
+            if form.states:
+                rate = form.effect.state_rate(s.with_state(x))
+                new.append(next_memory(rate, x, self.sample_time))
+        unknown = (s.qdd, s.qddd, s.qdddd)
+        added = _without(ca.jacobian(others, s.qdd), s.qd, *unknown)
+        others = _without(others, *unknown)
         # shared before it is differentiated
         M = ca.cse(ca.densify(s.mass_matrix + added))
         weight = ca.cse(ca.densify(replace(s, qd=zero, qdd=zero).load))
         kinetic = 0.5 * s.qd.T @ M @ s.qd
         friction = self.arm.friction(given).torque(s.qd, s.sign)
         beta = ca.gradient(kinetic, s.q) - weight - friction - others
-        taken = [s.q, s.qd, s.time, *given.values()]
-        return ca.Function("momentum", taken, [M @ s.qd, ca.cse(beta)])
+        taken = [s.q, s.qd, s.time, *old, *given.values()]
+        grown = [_without(x, *unknown) for x in new]
+        return ca.Function("momentum", taken, [M @ s.qd, ca.cse(beta), *grown])
 
 
 def _without(expression: ca.SX, *symbols: ca.SX) -> ca.SX:
@@ -115,8 +147,7 @@ def momentum_observer(
     """
     check_masses(robot)
     n = robot.n
-    core = Momentum(ArmNumbers(robot))
-    clock = Clock(sample_time)
+    core = Momentum(ArmNumbers(robot), sample_time)
     jacobian = Model(robot).function("tcp_jacobian")
     inputs = (
         *signals_in(robot)[:2],
@@ -128,20 +159,18 @@ def momentum_observer(
     )
 
     def law(v: Values) -> Values:
-        time = clock.time(v) if core.uses_time else ca.SX(0)
-        p, beta = core.of(v, v["q"], v["qd"], time)
+        p, beta, remembered = core.of(v, v["q"], v["qd"])
         tau_ext, after = residual(v, p, beta, sample_time)
         J = jacobian(v["q"])
         wrench = factorise(J @ J.T + DAMPING**2 * ca.SX.eye(6)).solve(J @ tau_ext)
-        after |= clock.later(v) if core.uses_time else {}
-        return {"tau_ext": tau_ext, "wrench": wrench, **after}
+        return {"tau_ext": tau_ext, "wrench": wrench, **after, **remembered}
 
     block = assemble(
         "momentum_observer",
         "external torque from the generalised momentum",
         sample_time,
         law,
-        states=(*observer_states(n), *(clock.states if core.uses_time else ())),
+        states=(*observer_states(n), *core.states),
         inputs=inputs,
         outputs=outputs,
         parameters=(observer_bandwidth(robot, "observer", bandwidth, sample_time),),

@@ -52,7 +52,7 @@ def typical_inertia(robot: Robot) -> NDArray[np.float64]:
     least = float(np.linalg.eigvalsh(M).min())
     felt = 1.0 / np.einsum("kjj->kj", np.linalg.inv(M))
     if not felt.min() > 0:
-        kinds = dict.fromkeys(effect.kind for effect in robot.effects)
+        kinds = list(dict.fromkeys(effect.kind for effect in robot.effects))
         raise InputError(
             f"{robot.name}: found a posture in which some motion has no kinetic energy (least "
             f"eigenvalue of the mass matrix {least:.3g} kg m2), expected some in every posture; "

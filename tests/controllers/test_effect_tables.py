@@ -238,17 +238,17 @@ def test_the_observer_of_the_guards_carries_the_payload_of_the_table() -> None:
     rng = np.random.default_rng(5)
     load = LIBRARY["payload"].of(None, mass_kg=12.0, com_m=(0.02, -0.01, 0.15))
     rotor = LIBRARY["rotor_inertia"].of(2, inertia_kgm2=3.0)
-    known = Momentum(ArmNumbers(with_effects((rotor, load))))
-    tables = Momentum(ArmNumbers(with_effects((rotor,)), tables=True))
+    known = Momentum(ArmNumbers(with_effects((rotor, load))), 0.001)
+    tables = Momentum(ArmNumbers(with_effects((rotor,)), tables=True), 0.001)
     q = rng.uniform(ARM.q_min, ARM.q_max)
     qd = rng.uniform(-1.0, 1.0, ARM.n)
-    motion = (ca.SX(q), ca.SX(qd), ca.SX(0))
+    motion = (ca.SX(q), ca.SX(qd))
     c = np.array(load.parameters()["com_m"])
     values = {f.name: ca.SX(f.start) for f in tables.arm.parameters}
-    without = [np.asarray(ca.DM(v)) for v in tables.of(values, *motion)]
+    without = [np.asarray(ca.DM(v)) for v in tables.of(values, *motion)[:2]]
     values |= {"payload_mass": ca.SX(12.0), "payload_com": ca.SX(c)}
-    found = [np.asarray(ca.DM(v)) for v in tables.of(values, *motion)]
-    expected = [np.asarray(ca.DM(v)) for v in known.of({}, *motion)]
+    found = [np.asarray(ca.DM(v)) for v in tables.of(values, *motion)[:2]]
+    expected = [np.asarray(ca.DM(v)) for v in known.of({}, *motion)[:2]]
     np.testing.assert_allclose(found, expected, rtol=1e-9, atol=1e-8)
     assert np.abs(np.subtract(found, without)).max() > 10.0
     M = np.asarray(Model(with_effects((rotor, load))).mass_matrix(q))

@@ -9,6 +9,7 @@ from simulation.guard_steps import MODEL, ROBOT, ZERO, Q, T, block, defaults, le
 from irb2400_ctrl.codegen import Package
 from irb2400_ctrl.codegen.checks import compare_with_block, random_points, run_points
 from irb2400_ctrl.codegen.controller import HostController
+from irb2400_ctrl.codegen.host_library import Real
 from irb2400_ctrl.controllers import controller, guarded, momentum_observer
 from irb2400_ctrl.controllers.guards.sample_check import SampleCheck
 from irb2400_ctrl.effects import LIBRARY
@@ -223,3 +224,27 @@ def test_an_axis_without_a_speed_limit_may_do_ten_radians_a_second() -> None:
     np.testing.assert_allclose(check.fast, [10.0, *np.radians([150, 150, 360, 360, 450])])
     (jump,) = (f for f in check.parameters if f.name == "jump_limit")
     np.testing.assert_allclose(jump.start, 0.5 * T * check.fast)
+
+
+@pytest.mark.parametrize("real", ["float", "double"])
+@pytest.mark.parametrize("lost", [1, 20, 21])
+def test_the_first_samples_may_be_lost(lost: int, real: Real) -> None:
+    """An encoder that is not ready at the first tick: every sample after it was taken for a jump
+    away from zero, and the brake closed."""
+    package = Package(guarded(controller("computed_torque", ROBOT), ROBOT), real)
+    running = HostController(package)
+    hold = MODEL.gravity(Q)
+    names = [f.name for f in package.parameter_fields]
+    at = sum(f.size for f in package.parameter_fields[: names.index("hold")])
+    table = running.parameters
+    table[at : at + ROBOT.n] = hold
+    running.parameters = table
+    running.reset()
+    reference = [Q, ZERO, ZERO]
+    for _ in range(lost):
+        found, status = running.step(np.concatenate([ZERO, ZERO, *reference, [0.0]]))
+        assert status == 0
+        np.testing.assert_allclose(found[:-1], hold, rtol=1e-5, atol=1e-4)
+    for _ in range(100):
+        found, status = running.step(np.concatenate([Q, ZERO, *reference, [1.0]]))
+        assert (status, found[-1]) == (0, lost > 20)

@@ -19,7 +19,7 @@ from irb2400_ctrl.controllers.momentum import (
     observer_states,
     observer_told,
 )
-from irb2400_ctrl.controllers.parts import Clock, Values, gain
+from irb2400_ctrl.controllers.parts import Values, gain
 from irb2400_ctrl.controllers.scaling import largest_inertia
 from irb2400_ctrl.model import kinematics
 
@@ -77,7 +77,8 @@ class Consistency:
     As the observers begin, doubt is K times what `RESTART` says, and fades as r does.
 
     Args:
-        core: momentum and its rate.
+        core: momentum and its rate, with a memory of its own: a controller that knows no effect has
+            none.
         sample_time: [s].
     """
 
@@ -98,12 +99,7 @@ class Consistency:
                 ),
                 Field(f"doubt{band.suffix}", n, "Nm", "friction that is not known, low-passed"),
             ]
-        return (*fields, *(self._clock.states if self.core.uses_time else ()))
-
-    @property
-    def _clock(self) -> Clock:
-        """Its own: a controller that knows no effect has none."""
-        return Clock(self.sample_time, "observed")
+        return (*fields, *self.core.states)
 
     @property
     def parameters(self) -> tuple[Field, ...]:
@@ -142,15 +138,14 @@ class Consistency:
             q, qd: angles and speeds that are believed [rad, rad/s], shape (n,).
         """
         T = self.sample_time
-        timed = self.core.uses_time
-        p, beta = self.core.of(v, q, qd, self._clock.time(v) if timed else ca.SX(0))
+        p, beta, remembered = self.core.of(v, q, qd)
         J = self._load_jacobian(q)
         speed = J @ qd
         doubt = self._doubt(v, qd)
         gravity = ca.DM(self.core.arm.robot.gravity)
         tau = self._seen(v)
         after: Values = {"running": ca.SX(1), "p": p, "beta": beta, "tau_seen": tau}
-        after |= self._clock.later(v) if timed else {}
+        after |= remembered
         conditions = []
         for band in BANDS:
             of = {name: f"{name}{band.suffix}" for name in ("explained", "load_speed", "doubt")}

@@ -12,6 +12,9 @@ brakes. Before the first step set the parameter `hold` to the torque at which th
   brake closes.
 * An axis farther than `error_limit` from its reference: the brake closes at once.
 {observers}
+A reference or `fresh` that is no number or outside its bounds is not the guard's to judge: the
+step answers with its fault and stands still, `brake` with it. Close the brakes where that stays.
+
 The brake stays closed until the next init; `tau` holds its value until the brakes have taken over.
 `codegen --bare` leaves the guard out.
 """

@@ -1,5 +1,5 @@
-"""Effects that change with the time since the start: a clock that keeps time in single precision,
-and a guard and an observer that know what time it is."""
+"""Effects that change with the time since the start, or remember: a clock that keeps time in single
+precision, and a guard and an observer that know what time it is and which way a joint came."""
 
 from __future__ import annotations
 
@@ -87,6 +87,20 @@ def test_a_guard_knows_that_the_grease_is_warm(name: str) -> None:
     robot = warming(4.0)
     block = guarded(controller(name, robot), robot)
     run = irb.simulate(robot, swing(8.0), block)
+    assert not run.signals["c_brake"].any()
+
+
+@pytest.mark.parametrize(("joint", "amplitude", "width"), [(5, 12.0, 0.02), (2, 30.0, 0.05)])
+def test_a_guard_remembers_which_way_a_joint_came(
+    joint: int, amplitude: float, width: float
+) -> None:
+    """The joint's own dry friction that builds up over an angle: observers that took it for built
+    up closed the brake after a reversal."""
+    loop = LIBRARY["hysteresis"].of(
+        joint, amplitude_Nm=amplitude, width_rad=width, replaced_Nm=amplitude
+    )
+    robot = ROBOT.with_effects(loop)
+    run = irb.simulate(robot, swing(4.0), guarded(controller("computed_torque", robot), robot))
     assert not run.signals["c_brake"].any()
 
 
