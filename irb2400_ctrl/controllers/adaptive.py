@@ -78,7 +78,7 @@ def adaptive(
     a = qdd_ref + Kd ed + Kp e the commanded acceleration, e = q_ref - q.
 
     g is how fast all is learned here; `learning_limit`, g_max, keeps a large error from speeding it
-    up. theta stays where it leaves mass and friction, and a typical motion within the torques.
+    up. theta stays below what would take a joint's whole torque in a typical motion.
 
     theta holds what a robot in use changes: the load at the flange (m, m c) and each joint's
     Coulomb friction. Unlike an integrator it keeps what it has learned when pose and direction
@@ -97,7 +97,7 @@ def adaptive(
     model = Compensation(robot, sample_time)
     regressor = _regressor(robot)
     typical = _typical(robot, regressor)
-    least, most = _bounds(robot, typical)
+    most = _most(robot, typical)
     learned = partial(_learned, typical_inertia(robot))
 
     def law(v: Values) -> Values:
@@ -111,7 +111,7 @@ def adaptive(
         going = fade(v["qd_ref"], v["breakaway"])
         heard = going * (tau == asked) * (speed_error + v["slope"] * error)
         theta = v["theta"] + sample_time * learned(v, Y, heard)
-        theta = ca.fmin(ca.fmax(theta, least), most)
+        theta = ca.fmin(ca.fmax(theta, -most), most)
         steps = {"error": error, "speed_error": speed_error, "wanted": wanted, "Y": Y}
         return {"tau": tau, "theta": theta, **steps, "heard": heard, **after}
 
@@ -224,12 +224,11 @@ def _rates(typical: Array, stiffness: NDArray[np.float64], time: float) -> NDArr
     return np.where(shown, 1.0 / (time * np.where(shown, power, 1.0)), 0.0)
 
 
-def _bounds(robot: Robot, typical: Array) -> tuple[Array, Array]:
-    """Least and largest theta, shape (4 + n,) each."""
+def _most(robot: Robot, typical: Array) -> Array:
+    """Largest |theta|: what alone takes a joint's whole torque in a typical motion, (4 + n,). No
+    tighter: a load below zero stands for links that are lighter than the file has them."""
     shown = np.sqrt((typical**2).mean(axis=0))
     strongest = np.where(np.isfinite(robot.tau_bound), robot.tau_bound, UNBOUNDED)
-    most = (strongest[:, None] / np.maximum(shown, strongest[:, None] / UNBOUNDED)).min(axis=0)
-    least = -most
-    least[0] = max(least[0], -float(np.asarray(Model(robot).phi)[-1, 0]))
-    least[PAYLOAD:] = np.maximum(least[PAYLOAD:], -robot.friction[:, 1])
-    return least, most
+    return np.asarray(
+        (strongest[:, None] / np.maximum(shown, strongest[:, None] / UNBOUNDED)).min(axis=0)
+    )

@@ -90,21 +90,20 @@ def test_no_drawn_arm_and_load_makes_it_diverge(
         assert np.sqrt(np.mean(error[-len(error) // 4 :] ** 2)) < at_last, seed
 
 
-def test_what_is_learned_stays_what_a_load_and_friction_can_be() -> None:
-    """An error that lasts, such as of an arm that is held, taught it masses without end."""
+def test_what_is_learned_is_bounded() -> None:
+    """An error that lasts, such as of an arm that is held, taught it friction without end."""
     robot = irb.load_robot("irb2400")
     block = compile_block(controller("adaptive", robot))
-    signals = np.zeros((100_000, 5 * 6))
+    signals = np.zeros((20_000, 5 * 6))
     signals[:, 12:18] = 0.001
     signals[:, 6:12] = 0.3
     signals[:, 18:24] = 0.3
-    for sign in (1.0, -1.0):
-        states, _ = block.rollout(sign * signals)
-        theta = block.split(block.block.states, states)["theta"][-1]
-        tool = float(np.asarray(irb.Model(robot).phi)[-1, 0])
-        assert -tool - 1e-9 <= theta[0] < 200.0
-        assert (theta[4:] >= -robot.friction[:, 1] - 1e-9).all()
-        assert (theta[4:] <= 1.01 * robot.tau_max).all()
+    # a thousand times as fast, so that it is there within the test
+    rate = next(f.start for f in block.block.parameters if f.name == "rate")
+    states, _ = block.rollout(signals, p=block.parameters(rate=1e3 * rate, learning_limit=1e9))
+    theta = block.split(block.block.states, states)["theta"]
+    assert np.abs(theta[:, 0]).max() < 110.0
+    assert (np.abs(theta[:, 4:]) <= 1.01 * robot.tau_max).all()
 
 
 def test_a_law_without_gains_learns_nothing() -> None:
