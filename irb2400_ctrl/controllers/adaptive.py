@@ -7,8 +7,8 @@ With the true values theta* the tracking error e = q_ref - q obeys
 Where M is constant and diagonal and Kd > slope (damping above 1/2), (p + slope) / (p^2 + Kd p + Kp)
 is strictly positive real, and the gradient law drives e to zero. For an arm, whose M couples its
 joints and changes, that is no proof: the law relies on learning slowly beside the error's own
-motion (`adaptation_time` times `bandwidth` well above 1). theta goes to theta* only where the
-motion excites it, and nothing bounds it.
+motion (`adaptation_time` times `bandwidth` well above 1), wherever the arm is and however large
+the error. theta goes to theta* only where the motion excites it.
 
 Source: adaptive computed torque with a gradient law, the class of Craig, Hsu and Sastry, Int. J.
 Robotics Research 6(2), 1987, but with the regressor at the commanded acceleration instead of the
@@ -20,11 +20,13 @@ passivity.
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 
 import casadi as ca
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.codegen import Block, Field
 from irb2400_ctrl.controllers.compensation import SIGN_WIDTH, Compensation
 from irb2400_ctrl.controllers.computed_torque import pd_gains, wanted_acceleration
@@ -37,7 +39,7 @@ from irb2400_ctrl.controllers.parts import (
     signals_in,
     torque_out,
 )
-from irb2400_ctrl.controllers.scaling import typical_inertia
+from irb2400_ctrl.controllers.scaling import fastest_crossover, typical_inertia
 from irb2400_ctrl.controllers.stribeck import fade
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.model import Model
@@ -47,6 +49,17 @@ from irb2400_ctrl.typed import typed
 PAYLOAD = 4
 """learned of the load at the flange: mass and first moments; its own inertia is too small to be
 told from them"""
+BANDWIDTH = 60.0
+"""of the error [rad/s], where the sample time bears it"""
+SHARE = 0.81
+"""of the crossover that the drive's delay leaves a speed loop, for Kd: with the position gain and
+the learning beside it"""
+LEAST = 1e-6
+"""Kd [1/s] and learning limit [1/s] of a law without gains, which would be divided by"""
+UNBOUNDED = 1e6
+"""largest of theta and of a torque whose limit the file does not state"""
+LEARNING = 0.75
+"""learning limit in units of the bandwidth"""
 UNSEEN = 1e-12
 """share of the largest mean square of the regressor's columns that is rounding"""
 
@@ -56,12 +69,16 @@ def adaptive(
     robot: Robot,
     sample_time: float = 0.001,
     *,
-    bandwidth: ArrayLike = 60.0,
+    bandwidth: ArrayLike | None = None,
     damping: ArrayLike = 1.0,
     adaptation_time: float = 0.3,
 ) -> Block:
-    """tau = tau_ct(q, qd, a) + Y(q, qd, a) theta,  d theta/dt = Gamma Y^T s,  s = ed + slope e,
+    """tau = tau_ct(q, qd, a) + Y(q, qd, a) theta,  d theta/dt = Gamma Y^T s / max(1, g / g_max),
+    s = ed + slope e,  g = sum_ij Y_ij^2 Gamma_jj / (J Kd)_i,
     a = qdd_ref + Kd ed + Kp e the commanded acceleration, e = q_ref - q.
+
+    g is how fast all is learned here; `learning_limit`, g_max, keeps a large error from speeding it
+    up. theta stays below what would take a joint's whole torque in a typical motion.
 
     theta holds what a robot in use changes: the load at the flange (m, m c) and each joint's
     Coulomb friction. Unlike an integrator it keeps what it has learned when pose and direction
@@ -70,13 +87,18 @@ def adaptive(
 
     Args:
         robot: the arm it knows; sample_time: period [s].
-        bandwidth, damping: of the error, as in `computed_torque`.
+        bandwidth: of the error, as in `computed_torque`; default 60, less where the sample time is
+            above 3 ms: learning uses up what margin is left there.
+        damping: of the error, as in `computed_torque`.
         adaptation_time: how fast a parameter alone is learned in a typical motion [s].
     """
     if not adaptation_time > 0:
         raise InputError(f"adaptation_time is {adaptation_time} s; expected a positive time")
     model = Compensation(robot, sample_time)
     regressor = _regressor(robot)
+    typical = _typical(robot, regressor)
+    most = _most(robot, typical)
+    learned = partial(_learned, typical_inertia(robot))
 
     def law(v: Values) -> Values:
         error = v["q_ref"] - v["q"]
@@ -88,28 +110,44 @@ def adaptive(
         tau = saturate(robot, asked)
         going = fade(v["qd_ref"], v["breakaway"])
         heard = going * (tau == asked) * (speed_error + v["slope"] * error)
-        theta = v["theta"] + sample_time * v["rate"] * (Y.T @ heard)
+        theta = v["theta"] + sample_time * learned(v, Y, heard)
+        theta = ca.fmin(ca.fmax(theta, -most), most)
         steps = {"error": error, "speed_error": speed_error, "wanted": wanted, "Y": Y}
         return {"tau": tau, "theta": theta, **steps, "heard": heard, **after}
 
-    gains = _gains(robot, regressor, bandwidth, damping, adaptation_time)
+    omega = _bandwidth(robot, sample_time, damping) if bandwidth is None else bandwidth
+    gains = _gains(robot, typical, omega, damping, adaptation_time)
     return assemble(
-        "adaptive",
-        "computed torque that learns load and dry friction",
-        sample_time,
-        law,
+        "adaptive", "computed torque that learns load and dry friction", sample_time, law,
         states=(_theta(robot), *model.states),
         inputs=signals_in(robot),
         outputs=torque_out(robot),
         parameters=(*gains, *model.parameters),
-        told=(
-            *errors(robot),
-            wanted_acceleration(robot),
-            Field("heard", robot.n, "rad/s", "s = ed + slope e, where it is learned from"),
-            Field("Y", robot.n * (PAYLOAD + robot.n), "", "regressor of what is learned"),
-            *model.told,
-        ),
+        told=(*_told(robot), *model.told),
+    )  # fmt: skip
+
+
+def _told(robot: Robot) -> tuple[Field, ...]:
+    return (
+        *errors(robot),
+        wanted_acceleration(robot),
+        Field("heard", robot.n, "rad/s", "s = ed + slope e, where it is learned from"),
+        Field("Y", robot.n * (PAYLOAD + robot.n), "", "regressor of what is learned"),
     )
+
+
+def _learned(J: Array, v: Values, Y: ca.SX, heard: ca.SX) -> ca.SX:
+    """d theta/dt, no faster than `learning_limit`.
+
+    Args:
+        J: typical inertia [kg m2], shape (n,).
+        v: values by name.
+        Y: regressor, shape (n, 4 + n).
+        heard: s, where it is learned from [rad/s], shape (n,).
+    """
+    learning = ca.sum(Y**2 @ v["rate"] / (J * ca.fmax(v["kd"], LEAST)))
+    share = v["learning_limit"] / ca.fmax(learning, v["learning_limit"])
+    return share * v["rate"] * (Y.T @ heard)
 
 
 def _theta(robot: Robot) -> Field:
@@ -119,13 +157,15 @@ def _theta(robot: Robot) -> Field:
 
 def _gains(
     robot: Robot,
-    regressor: ca.Function,
+    typical: Array,
     bandwidth: ArrayLike,
     damping: ArrayLike,
     adaptation_time: float,
 ) -> tuple[Field, ...]:
     kp, kd = pd_gains(robot, bandwidth, damping)
-    rate = _rates(robot, regressor, typical_inertia(robot) * kd.start, adaptation_time)
+    J = typical_inertia(robot)
+    rate = _rates(typical, J * np.maximum(kd.start, LEAST), adaptation_time)
+    limit = max(LEARNING * float(np.sqrt(kp.start).min()), LEAST)
     return (
         kp,
         kd,
@@ -137,6 +177,7 @@ def _gains(
             tuple(rate.tolist()),
         ),
         gain(robot, "slope", "1/s", "weight of the angle error in s", np.sqrt(kp.start)),
+        Field("learning_limit", 1, "1/s", "fastest learning of all together", (limit,), (LEAST,)),
     )
 
 
@@ -150,18 +191,44 @@ def _regressor(robot: Robot) -> ca.Function:
     return ca.Function("regressor", [s.q, s.qd, s.qdd, qd_ref], [Y])
 
 
-def _rates(
-    robot: Robot, regressor: ca.Function, stiffness: NDArray[np.float64], time: float
-) -> NDArray[np.float64]:
-    """Gamma_ii = 1 / (T sum_j mean Y_ji^2 / (J Kd)_j): each parameter alone converges in about
-    T; zero where no motion shows it, such as a load's place along the axes of a planar arm."""
+def _bandwidth(robot: Robot, sample_time: float, damping: ArrayLike) -> Array:
+    """[rad/s] of each joint, no faster than leaves margins at the sample time."""
+    zeta = gain(robot, "damping", "-", "damping ratio of the tracking error", damping).start
+    return np.minimum(BANDWIDTH, SHARE * fastest_crossover(sample_time) / (2 * np.maximum(zeta, 1)))
+
+
+def _typical(robot: Robot, regressor: ca.Function) -> Array:
+    """Y in a typical motion, shape (k, n, 4 + n)."""
     rng = np.random.default_rng(0)
-    power = np.zeros(regressor.size2_out(0))
-    poses = 64
-    for _ in range(poses):
+    found = []
+    for _ in range(64):
         q = rng.uniform(robot.q_min, robot.q_max)
         qd = rng.uniform(-0.5, 0.5, robot.n) * robot.qd_max
-        Y = np.asarray(regressor(q, qd, np.zeros(robot.n), qd))
-        power += (Y**2 / stiffness[:, None]).sum(axis=0) / poses
+        found.append(np.asarray(regressor(q, qd, np.zeros(robot.n), qd)))
+    return np.stack(found)
+
+
+def _rates(typical: Array, stiffness: NDArray[np.float64], time: float) -> NDArray[np.float64]:
+    """Gamma_ii = 1 / (T sum_j mean Y_ji^2 / (J Kd)_j): each parameter alone converges in about
+    T; zero where no motion shows it, such as a load's place along the axes of a planar arm.
+
+    Args:
+        typical: Y in a typical motion, shape (k, n, p).
+        stiffness: J Kd [Nm s/rad], shape (n,).
+        time: T [s].
+    """
+    power = np.zeros(typical.shape[2])
+    for Y in typical:
+        power += (Y**2 / stiffness[:, None]).sum(axis=0) / len(typical)
     shown = power > UNSEEN * power.max()
     return np.where(shown, 1.0 / (time * np.where(shown, power, 1.0)), 0.0)
+
+
+def _most(robot: Robot, typical: Array) -> Array:
+    """Largest |theta|: what alone takes a joint's whole torque in a typical motion, (4 + n,). No
+    tighter: a load below zero stands for links that are lighter than the file has them."""
+    shown = np.sqrt((typical**2).mean(axis=0))
+    strongest = np.where(np.isfinite(robot.tau_bound), robot.tau_bound, UNBOUNDED)
+    return np.asarray(
+        (strongest[:, None] / np.maximum(shown, strongest[:, None] / UNBOUNDED)).min(axis=0)
+    )

@@ -21,9 +21,12 @@ from irb2400_ctrl.controllers.parts import (
     torque_out,
 )
 from irb2400_ctrl.controllers.scaling import (
+    CARRIED,
+    FADING,
     fastest_crossover,
     heaviest,
     slowed,
+    stiffened,
     typical_inertia,
 )
 from irb2400_ctrl.robot import Robot
@@ -116,7 +119,8 @@ def _speeds(
 
     With the inertia m in units of J the loop is m s^3 + w (s + 1 / Ti) (s + Kp): w / m has to stay
     below what the drive's delay allows where the arm is lightest. Where it is heaviest, it has to
-    be above 1 / (1 / Kp + Ti) (Routh), here by a margin. Weight is left out.
+    be above 1 / (1 / Kp + Ti) (Routh), here by a margin. Weight takes at most `CARRIED` of Kp. With
+    viscous friction d the second term is (w + d) s^2, and the integral must not overtake Kp.
 
     Args:
         robot: the arm.
@@ -133,10 +137,14 @@ def _speeds(
         slow = 1 / heaviest(robot, kv)
     if position is None:
         position = np.minimum(POSITION, INNER * slow)
+        if kv.all():
+            position = position * (stiffened(robot, kv * position, CARRIED) / (kv * position))
     if time is None:
         kp = gain(robot, "position_bandwidth", "1/s", "", position).start
-        least = np.maximum(LAG, LAG_OF_POSITION * (kp / slow) ** 2)
+        least = np.maximum(LAG, LAG_OF_POSITION * np.minimum(kp / slow, INNER) ** 2)
         time = np.maximum(INTEGRAL, least / slow)
+        if (kv * kp).all():
+            time = np.maximum(time, FADING * (kv + robot.friction[:, 2]) / (kv * kp))
     return position, kv, gain(robot, "integral_time", "s", "", time).start
 
 

@@ -19,7 +19,7 @@ from irb2400_ctrl.controllers.parts import (
     signals_in,
     torque_out,
 )
-from irb2400_ctrl.controllers.scaling import inertia_span, typical_inertia
+from irb2400_ctrl.controllers.scaling import FADING, inertia_span, typical_inertia
 from irb2400_ctrl.robot import Robot
 from irb2400_ctrl.typed import typed
 
@@ -56,7 +56,7 @@ def computed_torque_integral(
     """
     model = Compensation(robot, sample_time, tables)
     kp, kd = pd_gains(robot, bandwidth, damping)
-    ti = _integral_time(robot, integral_time, kd.start)
+    ti = _integral_time(robot, integral_time, kp.start, kd.start)
     ki = typical_inertia(robot) * kp.start / np.maximum(ti, 1e-6)
     slow = np.maximum(ti, sample_time)
     parameters = (
@@ -93,17 +93,21 @@ def computed_torque_integral(
     )
 
 
-def _integral_time(robot: Robot, stated: ArrayLike | None, kd: Array) -> Array:
+def _integral_time(robot: Robot, stated: ArrayLike | None, kp: Array, kd: Array) -> Array:
     """Ti [s]: the loop is s^3 + Kd s^2 + Kp s + Kp / (m Ti), unstable where Kd Ti m < 1 (Routh).
+    Viscous friction d, which is compensated along the reference, makes Kd + d / J of Kd.
 
     Args:
         robot: the arm.
         stated: by the user, None: not.
+        kp: acceleration per angle error [1/s2], shape (n,).
         kd: acceleration per speed error [1/s], shape (n,).
     """
     if stated is None:
         stated = INTEGRAL
-        if kd.all():
-            light = inertia_span(robot, typical_inertia(robot)).light
+        if (kp * kd).all():
+            J = typical_inertia(robot)
+            light = inertia_span(robot, J).light
             stated = max(INTEGRAL, OVERTAKEN / (light * float(kd.min())))
+            stated = np.maximum(stated, FADING * (kd + robot.friction[:, 2] / J) / kp)
     return gain(robot, "integral_time", "s", "", stated).start

@@ -17,10 +17,12 @@ from irb2400_ctrl.controllers.parts import (
     torque_out,
 )
 from irb2400_ctrl.controllers.scaling import (
+    CANCELLED,
     RINGING,
     fastest_crossover,
     heaviest,
     slowed,
+    stiffened,
     typical_inertia,
 )
 from irb2400_ctrl.model import Model
@@ -93,10 +95,10 @@ def _speeds(robot: Robot, sample_time: float) -> tuple[Array, Array]:
 
     With the inertia m in units of Kd the loop is m s^2 + s + Kp / Kd: 1 / m has to stay below what
     the drive's delay allows where the arm is lightest, and the damping ratio above `RINGING` where
-    it is heaviest.
+    it is heaviest. Kp is no smaller than a weight asks for that is cancelled late or in part.
     """
     J = typical_inertia(robot)
     kd = slowed(robot, 2 * BANDWIDTH * J, fastest_crossover(sample_time))
     kp = kd * np.minimum(BANDWIDTH / 2, 1 / (4 * RINGING**2 * heaviest(robot, kd)))
-    bandwidth = np.sqrt(kp / J)
+    bandwidth = np.sqrt(stiffened(robot, kp, CANCELLED) / J)
     return bandwidth, kd / (2 * J * bandwidth)

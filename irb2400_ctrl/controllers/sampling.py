@@ -6,13 +6,17 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 
-import casadi as ca
 import numpy as np
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.codegen import Block
 from irb2400_ctrl.controllers.linear import LinearLoop
-from irb2400_ctrl.controllers.scaling import inertia_span, typical_inertia
+from irb2400_ctrl.controllers.scaling import (
+    inertia_span,
+    typical_inertia,
+    weight_share,
+    weight_slope,
+)
 from irb2400_ctrl.controllers.timing import Timing
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.model import Model
@@ -88,11 +92,8 @@ class _Loops:
     def weights(self) -> Array:
         """How fast the weight alone speeds up an error, per angle [1/s2]: largest eigenvalue of
         -M^-1 dG/dq at each pose, shape (k,)."""
-        model = Model(self.robot)
-        q = ca.SX.sym("q", self.robot.n)
-        slope = ca.Function("slope", [q], [ca.jacobian(model.function("gravity")(q), q)])
-        slopes = np.stack([ca.DM(slope(pose)).full() for pose in self.poses])
-        rates = np.linalg.solve(model.mass_matrix(self.poses), slopes)
+        mass = Model(self.robot).mass_matrix(self.poses)
+        rates = np.linalg.solve(mass, weight_slope(self.robot, self.poses))
         return np.asarray(-np.linalg.eigvals(rates).real.min(axis=1))
 
     def growth(self, block: Block, *, ideal: bool) -> tuple[float, Array]:
@@ -112,9 +113,16 @@ class _Loops:
 
 def postures(robot: Robot) -> Array:
     """Angles all over the joint box, at most a turn of each joint, its middle first; the lightest
-    and the heaviest posture last [rad], shape (k, n)."""
+    and the heaviest posture and the one that the weight upsets most last [rad], shape (k, n).
+
+    Without those in which the arm cannot hold itself, if there are others: no controller can.
+    """
     share = np.random.default_rng(2400).uniform(-0.8, 0.8, (POSES, robot.n))
     share[0] = 0.0
     half = np.minimum((robot.q_max - robot.q_min) / 2, np.pi)
-    span = inertia_span(robot, typical_inertia(robot))
-    return np.vstack([(robot.q_min + robot.q_max) / 2 + share * half, span.lightest, span.heaviest])
+    J = typical_inertia(robot)
+    span = inertia_span(robot, J)
+    extreme = (span.lightest, span.heaviest, weight_share(robot, J)[1])
+    poses = np.vstack([(robot.q_min + robot.q_max) / 2 + share * half, *extreme])
+    held = (np.abs(Model(robot).gravity(poses)) <= robot.tau_bound).all(axis=1)
+    return poses[held] if held.any() else poses

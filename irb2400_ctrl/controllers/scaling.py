@@ -1,14 +1,22 @@
-"""The inertia that scales joint-wise gains, and how fast these may be over all postures.
+"""The inertia that scales joint-wise gains, how fast these may be and how stiff they have to be
+over all postures.
 
 An arm whose joints all have the law u = K c(s) e, K diagonal and c the same for all, falls apart
 into loops of one inertia: those of the eigenvalues of K^-1 M(q). Over the postures these run from
 `light` to `heavy`; a loop with margins at both ends has them in between.
+
+Where an arm stands above its axes, its weight pulls an error further away: dG/dq has negative
+eigenvalues there, and a position loop of the stiffness D holds only as long as D + dG/dq is
+positive. The share that the weight takes away is the largest eigenvalue of -D^-1 dG/dq. Past the
+integral the sensitivity stands at share / (1 - share).
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
+import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
@@ -16,6 +24,7 @@ from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.controllers.timing import Timing
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.model import Model
+from irb2400_ctrl.model.numeric import evaluate
 from irb2400_ctrl.robot import Robot
 from irb2400_ctrl.wording import joined
 
@@ -23,15 +32,25 @@ TURNED = 0.9
 """[rad] that the delay may turn the lightest speed loop at its crossover: sensitivity peak 2.5"""
 RINGING = 0.22
 """least damping ratio of the heaviest direction: sensitivity peak 2.5"""
+FADING = 4 * RINGING**2
+"""least Ti of a joint that its viscous friction holds back more than its inertia, in units of what
+brakes it (friction and speed gain) over what pulls it back (position gain)"""
 POSTURES = 2048
 GRID = 24
-"""angles of each joint that are tried about the lightest and the heaviest posture of them"""
+"""angles of each joint that are tried about the extreme posture of them"""
 
 ALONE = 0.7
 """1: joints do not move each other, 0: all move as one; with 1 the sensitivity peaks of two
 seven- and six-axis cobots are half as high again"""
 ROUNDS = 20
-"""in which joints are slowed"""
+"""in which joints are slowed, or stiffened"""
+
+CARRIED = 0.5
+"""largest share of its stiffness that a position loop loses to a weight it does not cancel"""
+CANCELLED = 1.0
+"""the same where the weight is cancelled. Of one inertia m with the speed gain kv above its axis,
+weight -g, the sensitivity peaks least with these: by 2 sqrt(m g) / kv, of which only kv is left to
+be raised"""
 
 
 def typical_inertia(robot: Robot) -> NDArray[np.float64]:
@@ -88,23 +107,42 @@ def inertia_span(robot: Robot, scale: Array) -> InertiaSpan:
     """
     model = Model(robot)
     root = np.sqrt(scale)
-    some = np.random.default_rng(0).uniform(robot.q_min, robot.q_max, (POSTURES, robot.n))
+    some = drawn(robot)
 
-    def ends(q: Array) -> tuple[Array, Array]:
-        eigenvalues = np.linalg.eigvalsh(model.mass_matrix(q) / root / root[:, None])
-        return np.asarray(eigenvalues[:, 0]), np.asarray(-eigenvalues[:, -1])
+    def least(q: Array) -> Array:
+        scaled = model.mass_matrix(q) / root / root[:, None]
+        return np.asarray(np.linalg.eigvalsh(scaled)[:, 0])
 
-    def least(end: int) -> tuple[float, Array]:
-        best = some[ends(some)[end].argmin()]
-        for j in (*range(robot.n), *range(robot.n)):
-            tried = np.tile(best, (GRID + 1, 1))
-            tried[1:, j] = np.linspace(robot.q_min[j], robot.q_max[j], GRID)
-            best = tried[ends(tried)[end].argmin()]
-        return float(ends(best[None])[end][0]), best
+    def most(q: Array) -> Array:
+        scaled = model.mass_matrix(q) / root / root[:, None]
+        return np.asarray(-np.linalg.eigvalsh(scaled)[:, -1])
 
-    light, lightest = least(0)
-    heavy, heaviest = least(1)
-    return InertiaSpan(light, -heavy, lightest, heaviest)
+    lightest = refined(robot, least, some)
+    heaviest = refined(robot, most, some)
+    return InertiaSpan(
+        float(least(lightest[None])[0]), -float(most(heaviest[None])[0]), lightest, heaviest
+    )
+
+
+def drawn(robot: Robot) -> Array:
+    """Postures all over the joint box [rad], shape (k, n)."""
+    return np.random.default_rng(0).uniform(robot.q_min, robot.q_max, (POSTURES, robot.n))
+
+
+def refined(robot: Robot, value: Callable[[Array], Array], some: Array) -> Array:
+    """The posture [rad] of the least value, searched joint by joint from the best of some.
+
+    Args:
+        robot: the arm.
+        value: of each posture (k, n) [rad], shape (k,).
+        some: postures [rad], shape (k, n).
+    """
+    best = some[value(some).argmin()]
+    for j in (*range(robot.n), *range(robot.n)):
+        tried = np.tile(best, (GRID + 1, 1))
+        tried[1:, j] = np.linspace(robot.q_min[j], robot.q_max[j], GRID)
+        best = tried[value(tried).argmin()]
+    return np.asarray(best)
 
 
 def slowed(robot: Robot, scale: Array, most: float) -> Array:
@@ -146,8 +184,7 @@ def heaviest(robot: Robot, scale: Array) -> Array:
 
 def largest_inertia(robot: Robot) -> Array:
     """M_jj of each joint, largest over postures [kg m2], shape (n,)."""
-    q = np.random.default_rng(0).uniform(robot.q_min, robot.q_max, (POSTURES, robot.n))
-    return np.asarray(np.einsum("kjj->kj", Model(robot).mass_matrix(q)).max(axis=0))
+    return np.asarray(np.einsum("kjj->kj", Model(robot).mass_matrix(drawn(robot))).max(axis=0))
 
 
 def fastest_crossover(sample_time: float) -> float:
@@ -157,3 +194,55 @@ def fastest_crossover(sample_time: float) -> float:
     timing = Timing(sample_time)
     share = timing.filter_share
     return TURNED / (sample_time * (timing.delay_samples + 1 + (1 - share) / share))
+
+
+def weight_slope(robot: Robot, q: Array) -> Array:
+    """dG/dq at each posture, effects at rest included, shape (k, n, n) [Nm/rad].
+
+    Args:
+        robot: the arm, as it is mounted.
+        q: postures [rad], shape (k, n).
+    """
+    angles = ca.SX.sym("q", robot.n)
+    weight = Model(robot).function("gravity")(angles)
+    slope = ca.Function("slope", [angles], [ca.densify(ca.jacobian(weight, angles))])
+    found: Array = evaluate(slope, q, matrix=True)
+    return (found + found.transpose(0, 2, 1)) / 2
+
+
+def weight_share(robot: Robot, stiffness: Array) -> tuple[float, Array]:
+    """What the weight takes away of a stiffness at most, below zero where it only adds, and the
+    posture of that [rad].
+
+    Args:
+        robot: the arm, as it is mounted.
+        stiffness: D of each joint, above zero, shape (n,) [Nm/rad].
+    """
+    root = np.sqrt(stiffness)
+
+    def left(q: Array) -> Array:
+        return np.asarray(np.linalg.eigvalsh(weight_slope(robot, q) / root / root[:, None])[:, 0])
+
+    worst = refined(robot, left, drawn(robot))
+    return -float(left(worst[None])[0]), worst
+
+
+def stiffened(robot: Robot, stiffness: Array, most: float) -> Array:
+    """D no smaller than `stiffness` of which the weight takes at most a share in any posture,
+    shape (n,) [Nm/rad]: a joint gets more as much as it takes part in the motions that lose most.
+
+    Args:
+        robot: the arm, as it is mounted.
+        stiffness: D that is wanted, above zero, shape (n,) [Nm/rad].
+        most: that share.
+    """
+    stiffness = np.array(stiffness)
+    for _ in range(ROUNDS):
+        share, worst = weight_share(robot, stiffness)
+        if share <= most:
+            return stiffness
+        root = np.sqrt(stiffness)
+        slope = weight_slope(robot, worst[None])[0] / root / root[:, None]
+        part = np.linalg.eigh(slope)[1][:, 0] ** 2
+        stiffness *= (1.01 * share / most) ** (part / part.max())
+    return stiffness * max(1.0, weight_share(robot, stiffness)[0] / most)

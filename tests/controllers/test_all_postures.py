@@ -8,17 +8,27 @@ from pathlib import Path
 import numpy as np
 import pytest
 from command_line import irb2400
+from robots.public_arms import arms, urdf
 from simulation.arms import strong, without_friction
+from simulation.other_arms import PALLETISER, arm_of
 from simulation.seven_axes import seven_axes
 
 import irb2400_ctrl as irb
 from irb2400_ctrl.controllers import controller
 from irb2400_ctrl.controllers.design import over_poses
 from irb2400_ctrl.controllers.sampling import check_sampled_loop, postures
-from irb2400_ctrl.controllers.scaling import inertia_span, slowed, typical_inertia
+from irb2400_ctrl.controllers.scaling import (
+    inertia_span,
+    slowed,
+    stiffened,
+    typical_inertia,
+    weight_share,
+    weight_slope,
+)
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.robot import Robot
+from irb2400_ctrl.robot.importing import import_robot
 from irb2400_ctrl.simulation import Sensors, make_loop
 
 FIXED = {"position_bandwidth": 20.0, "speed_bandwidth": 80.0, "integral_time": 0.12}
@@ -48,7 +58,7 @@ def test_default_gains_have_margins_in_the_lightest_and_the_heaviest_posture(
     assert worst.stable
     assert worst.coupled_peak < (2.2 if arm == "irb2400" else 3.6), str(worst)
     assert worst.gain_up > 2, str(worst)
-    assert np.degrees(worst.phase) > 25, str(worst)
+    assert np.degrees(worst.phase) > 24, str(worst)
 
 
 def test_an_arm_that_bears_the_usual_gains_has_them() -> None:
@@ -138,7 +148,7 @@ def test_the_command_says_margins_and_refuses_what_swings_up(seven: Robot, tmp_p
     asked = ("codegen", "--robot", file, "--bare", "--controller", "pid")
     done = irb2400(*asked, "--out", tmp_path / "c")
     assert done.returncode == 0
-    assert "10 postures, drive a sample late" in done.stdout
+    assert "11 postures, drive a sample late" in done.stdout
     assert "stable; phase" in done.stdout
     wishes = [f"--design={name}={value}" for name, value in FIXED.items()]
     refused = irb2400(*asked, *wishes, "--out", tmp_path / "d")
@@ -159,3 +169,83 @@ def test_the_command_says_that_hardly_a_margin_is_left(seven: Robot, tmp_path: P
     )  # fmt: skip
     assert limp.returncode == 0
     assert "an arm for guiding by hand" in limp.stderr
+
+
+@pytest.fixture(scope="module")
+def panda(tmp_path_factory: pytest.TempPathFactory) -> Robot:
+    file = tmp_path_factory.mktemp("arm") / "panda.urdf"
+    file.write_text(urdf(arms()["panda"]))
+    return import_robot(file).robot
+
+
+def mounted(robot: Robot, gravity: tuple[float, float, float]) -> Robot:
+    return robot.model_copy(update={"gravity_m_s2": gravity})
+
+
+WALL = (-9.81, 0.0, 0.0)
+CEILING = (0.0, 0.0, 9.81)
+
+
+@pytest.mark.parametrize(
+    ("arm", "gravity", "peak"),
+    [("seven", WALL, 5.0), ("panda", WALL, 9.0), ("panda", CEILING, 6.0), ("ur10e", WALL, 3.6)],
+)
+def test_default_gains_carry_the_weight_however_the_arm_is_mounted(
+    arm: str, gravity: tuple[float, float, float], peak: float, seven: Robot, panda: Robot
+) -> None:
+    """`pid` of the panda fell off the wall, and peaked at 190 on the seven axes. What is left is
+    of the speed gain, which the lightest posture bounds."""
+    robot = mounted({"seven": seven, "panda": panda}.get(arm) or irb.load_robot(arm), gravity)
+    drawn = np.random.default_rng(5).uniform(robot.q_min, robot.q_max, (12, robot.n))
+    poses = np.vstack([postures(robot), drawn])
+    for name in ("pid", "gravity_pd"):
+        worst = over_poses(robot, controller(name, robot), poses)
+        assert worst.stable, name
+        assert worst.coupled_peak < peak, f"{name}: {worst}"
+        assert worst.gain_down < 0.6, f"{name}: {worst}"
+
+
+def test_the_weight_takes_at_most_the_share_that_is_asked_for(panda: Robot) -> None:
+    """Against the slope of the weight, by differences, of postures that the search has not seen."""
+    robot = mounted(panda, WALL)
+    stiffness = stiffened(robot, 50 * typical_inertia(robot), 0.5)
+    assert weight_share(robot, stiffness)[0] <= 0.5 + 1e-12
+    q = np.random.default_rng(8).uniform(robot.q_min, robot.q_max, (300, 7))
+    model = Model(robot)
+    steps = 1e-5 * np.eye(7)
+    slope = np.stack([(model.gravity(q + d) - model.gravity(q - d)) / 2e-5 for d in steps], axis=-1)
+    np.testing.assert_allclose(weight_slope(robot, q), slope, atol=1e-6)
+    left = np.linalg.eigvals(slope / stiffness[:, None]).real.min(axis=1)
+    assert -0.51 < left.min() < -0.35
+
+
+def test_a_position_gain_too_weak_for_the_weight_is_refused_and_falls(panda: Robot) -> None:
+    """In a posture that the check did not look at."""
+    build = partial(controller, "pid", panda, position_bandwidth=6.0)
+    with pytest.raises(InputError, match="unstable on its own arm"):
+        check_sampled_loop(panda, build, 0.001)
+    arm = strong(without_friction(panda))
+    pose = weight_share(arm, typical_inertia(arm))[1]
+    assert kicked(arm, controller("pid", arm, position_bandwidth=6.0), pose, samples=3000) > 1.5
+    assert kicked(arm, controller("pid", arm), pose, samples=3000) < 0.8
+
+
+def test_postures_are_those_in_which_the_arm_holds_itself(tmp_path: Path) -> None:
+    """Elsewhere its torques are cut at rest, and the loop, which is open, looked unstable."""
+    robot = mounted(arm_of(PALLETISER, "palletiser", tmp_path), WALL)
+    poses = postures(robot)
+    assert 3 < len(poses) < 11
+    assert (np.abs(Model(robot).gravity(poses)) <= robot.tau_max).all()
+    assert over_poses(robot, controller("gravity_pd", robot), poses).stable
+    weak = robot.model_copy(update={"gravity_m_s2": (-981.0, 0.0, 0.0)})
+    assert len(postures(weak)) == 11
+
+
+@pytest.mark.parametrize("name", ["pid", "feedforward_pid", "computed_torque_integral"])
+def test_the_integral_of_a_joint_that_friction_holds_back_does_not_ring(name: str) -> None:
+    """Axis 6 of the Puma, of which the file has no rotor, has 70 times more viscous friction than
+    gain: its integral overtook its position gain, with a peak of 3.8."""
+    robot = irb.load_robot("puma560")
+    worst = over_poses(robot, controller(name, robot), postures(robot))
+    assert worst.sensitivity < 2.6, str(worst)
+    assert np.degrees(worst.phase) > 22, str(worst)
