@@ -54,6 +54,7 @@ def plausibility(robot: Robot) -> list[str]:
     notes += _masses(robot)
     notes += _beside(robot, reach) or _weight(robot)
     notes += _friction(robot)
+    notes += _rotors(robot)
     if robot.tool is not None:
         notes += _body(robot.tool.name, robot.tool.body, most)
     notes += [issue.sentence for issue in check(robot) if issue.kind != "massless"]
@@ -124,6 +125,24 @@ def _weight(robot: Robot) -> list[str]:
     if torque[j] > FELT * torque.max() and share[j] < IDLE:
         return [f"{asked}, and of no other joint for more; limits look like another unit"]
     return []
+
+
+def _rotors(robot: Robot) -> list[str]:
+    """Joints whose transmission states a rotor that nothing in the file adds to the dynamics."""
+    said = {effect.joint for effect in robot.effects if effect.motor_inertia is not None}
+    left_out = {
+        joint.name: reflected
+        for place, joint in enumerate(robot.joints, 1)
+        if joint.transmission and (reflected := joint.transmission.reflected_inertia)
+        if place not in said
+    }
+    if not left_out:
+        return []
+    return [
+        f"{', '.join(left_out)}: motor_inertia_kgm2 and gear_ratio make "
+        f"{', '.join(f'{J:.3g}' for J in left_out.values())} kg m2, which no torque holds before "
+        'an effect of kind "rotor_inertia" states it'
+    ]
 
 
 def _friction(robot: Robot) -> list[str]:

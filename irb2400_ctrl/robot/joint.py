@@ -85,6 +85,13 @@ class Transmission(Table):
             raise ValueError("gear_ratio is 0, expected motor turns per joint turn")
         return self
 
+    @property
+    def reflected_inertia(self) -> float | None:
+        """Of the rotor on the joint's side, gear_ratio^2 motor_inertia [kg m2]; None: unknown."""
+        if self.gear_ratio is None or self.motor_inertia_kgm2 is None:
+            return None
+        return self.gear_ratio**2 * self.motor_inertia_kgm2
+
 
 class Joint(Table):
     """One actuator: friction and limits act on its own angle q."""

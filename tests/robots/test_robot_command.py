@@ -215,3 +215,16 @@ def test_uncertainty_of_the_file_is_the_prior() -> None:
     own = own.model_copy(update={"links": {"nose": BodyUncertainty(com_m=0.1)}})
     with pytest.raises(ValueError, match="no such link"):
         robot.model_copy(update={"uncertainty": own})
+
+
+def test_a_rotor_that_is_stated_and_in_no_torque_is_said() -> None:
+    """Axis 6 of the Puma 560 was five thousand times too light: its rotor stood in a table that
+    nothing read."""
+    robot = irb.load_robot("puma560")
+    assert not [note for note in plausibility(robot) if "motor_inertia" in note]
+    rotors = [effect.motor_inertia for effect in robot.effects]
+    stated = [j.transmission.reflected_inertia for j in robot.joints if j.transmission]
+    np.testing.assert_allclose(np.array(rotors, float), np.array(stated, float), rtol=1e-3)
+    without = robot.model_copy(update={"effects": robot.effects[:-1]})
+    (note,) = [note for note in plausibility(without) if "motor_inertia" in note]
+    assert note.startswith("axis_6: motor_inertia_kgm2 and gear_ratio make 0.194 kg m2")
