@@ -17,6 +17,7 @@ from irb2400_ctrl.plausibility.problem import named
 from irb2400_ctrl.robot import Robot
 
 DEGREE = np.pi / 180.0
+TURN = 2.0 * np.pi
 CLOCKS = {
     1e-3: "time looks like milliseconds under the name of seconds",
     1e3: "time looks like seconds under the name of milliseconds",
@@ -135,6 +136,8 @@ def motion_readings(robot: Robot) -> Iterator[Reading]:
             B = np.eye(n)
             B[j, j] = factor
             yield reading("angle_unit", f"{says} on joint {j + 1}", B, j + 1, factor=factor)
+    says = "angles look like turns under the name of radians"
+    yield reading("angle_unit", says, TURN * np.eye(n), factor=TURN)
     yield reading("angle_sign", "all angles look turned over", -np.eye(n), factor=-1.0)
     for j in range(n):
         says = _turned("angle_sign", (j + 1,))
