@@ -1,8 +1,9 @@
-"""Lists in a sentence."""
+"""Lists in a sentence, and what a misspelt word may stand for."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import difflib
+from collections.abc import Iterable, Sequence
 
 
 def joined(names: Sequence[str], last: str = "and") -> str:
@@ -24,3 +25,10 @@ def up_to(what: str, number: int) -> str:
 def counted(number: int, what: str) -> str:
     """`1 joint`, `6 joints`."""
     return f"{number} {what}{'' if number == 1 else 's'}"
+
+
+def did_you_mean(word: object, known: Iterable[str]) -> str:
+    """`; did you mean gear_ripple?` where a known word is near; empty otherwise, or where it is
+    that word in a wrong place."""
+    near = difflib.get_close_matches(str(word), [one for one in known if one != word], n=1)
+    return f"; did you mean {near[0]}?" if near else ""

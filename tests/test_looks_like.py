@@ -8,7 +8,11 @@ from pathlib import Path
 import pytest
 
 import irb2400_ctrl as irb
+from irb2400_ctrl.cell import load_cell
 from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.measurement.columns.column_map import load_column_map
+from irb2400_ctrl.robot.importing import import_robot
+from irb2400_ctrl.sweep import load_study
 from irb2400_ctrl.trajectory import load_trajectory
 
 PATH = "x_mm,y_mm,z_mm,i,j,k\n900,0,500,0,0,1\n950,0,500,0,0,1\n"
@@ -22,6 +26,15 @@ MOTION = ",".join(HEADER) + "\n" + ",".join("0" * len(HEADER)) + "\n"
         (PATH, irb.read_log, "a tool path: `irb2400 plan`"),
         (PATH, load_trajectory, "a tool path: `irb2400 plan`"),
         (MOTION, irb.read_path, "a motion or a log: `irb2400 simulate`, `irb2400 diagnose`"),
+        (
+            MOTION,
+            irb.load_robot,
+            r"expected a robot file \(TOML\).*the columns of a motion or a log",
+        ),
+        (MOTION, load_cell, r"expected a cell file \(TOML\).*the columns of a motion or a log"),
+        (MOTION, load_study, r"expected a study \(TOML\).*the columns of a motion or a log"),
+        (MOTION, load_column_map, r"expected a column map \(TOML\).*of a motion or a log"),
+        (MOTION, import_robot, "the convention of the DH table .*the columns of a motion or a log"),
     ],
 )
 def test_a_file_of_another_kind_is_named(

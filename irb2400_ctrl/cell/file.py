@@ -32,7 +32,8 @@ def load_cell(source: str | Path) -> Cell:
             f"cell {path}: found {found}, expected a cell file (TOML); docs/cells.md shows one"
         )
     try:
-        data = toml_tables(bounded_text(path, "a cell file (TOML)"), str(path))
+        what = "a cell file (TOML)"
+        data = toml_tables(bounded_text(path, what), str(path), what)
         return Cell.model_validate({**data, "folder": path.parent})
     except ValidationError as error:
         raise InputError(explain(str(path), "cell", error, TABLES)) from error

@@ -32,8 +32,8 @@ def _take(context: typer.Context, path: Path | None) -> Path | None:
     unknown = sorted(set(stated) - set(known))
     if unknown:
         raise InputError(
-            f"{path}: found {', '.join(unknown)}; expected options of irb2400 "
-            f"{context.info_name}: {', '.join([*known, *negations])}"
+            f"{path}: found {', '.join(unknown)}; expected options of "
+            f"{context.command_path}: {', '.join([*known, *negations])}"
         )
     values = {known[key]: value for key, value in stated.items()}
     context.default_map = {**(context.default_map or {}), **values}
@@ -46,12 +46,14 @@ def _long(names: list[str]) -> str:
 
 def _tables(path: Path, verb: str | None) -> dict[str, Any]:
     """The keys of the file for a verb: those at its top, then those of the verb's own table."""
+    what = "a TOML file of options"
     if not path.is_file():
-        raise InputError(f"--config {path}: found nothing, expected a TOML file of options")
+        found = "a folder" if path.is_dir() else "nothing"
+        raise InputError(f"--config {path}: found {found}, expected {what}")
     from irb2400_ctrl.reading import bounded_text, toml_tables
 
     source = f"--config {path}"
-    read = toml_tables(bounded_text(path, "a TOML file of options"), source)
+    read = toml_tables(bounded_text(path, what), source, what)
     tables = {key: value for key, value in read.items() if isinstance(value, dict)}
     shared = {key: value for key, value in read.items() if key not in tables}
     return {**shared, **tables.get(verb or "", {})}

@@ -179,13 +179,20 @@ def load_arm(robot: str, uncertainty: list[str] | None = None) -> Robot:
 
 
 def _looks_wrong(arm: Robot, source: str) -> list[str]:
-    """What `robot check` would note of the numbers: the first few, and how many more; nothing of
-    what the library's own robots are published with."""
+    """What `robot check` would note of the numbers: the first few, and how many more, bodies that
+    cannot exist in one; nothing of what the library's own robots are published with."""
+    from irb2400_ctrl.model.consistency import check
     from irb2400_ctrl.model.plausibility import plausibility
     from irb2400_ctrl.robot import load_robot, robot_names
+    from irb2400_ctrl.wording import joined
 
     published = plausibility(load_robot(source)) if source in robot_names() else []
     notes = [note for note in plausibility(arm) if note not in published]
+    impossible = {one.sentence: one.place for one in check(arm) if one.sentence in notes}
+    if len(impossible) > 1:
+        notes = [note for note in notes if note not in impossible]
+        bodies = joined(list(impossible.values()))
+        notes.append(f"{bodies}: bodies that cannot exist (irb2400 robot check says why)")
     if len(notes) > _NOTES:
         left = len(notes) - _NOTES
         more = f"and {left} more that look{'s' * (left == 1)} wrong (irb2400 robot check)"

@@ -16,6 +16,7 @@ from typing import Any
 
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.typed import typed
+from irb2400_ctrl.wording import did_you_mean
 
 # `Effect` registers its subclasses here, so that nothing here can know it
 Kind = type[Any]
@@ -60,13 +61,14 @@ def effect_class(kind: object) -> Kind:
     """The class of a kind.
 
     Raises:
-        InputError: not defined; lists what is.
+        InputError: not defined; says which is nearest.
     """
     if isinstance(kind, str) and kind in LIBRARY:
         return LIBRARY[kind]
     raise InputError(
-        f"no effect {kind!r}; expected one of {', '.join(LIBRARY)}; an effect of your own is "
-        "loaded by its Python file: effect_files = ['my_effect.py'] in the robot file"
+        f"no effect {kind!r}{did_you_mean(kind, LIBRARY) or '; expected a known one:'} "
+        "`irb2400 explain` lists all; an effect of your own is loaded by its Python file: "
+        "effect_files = ['my_effect.py'] in the robot file"
     )
 
 

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 from irb2400_ctrl.effects import LIBRARY, Ambiguity
 from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.wording import did_you_mean
 
 Place = tuple[str, int | None]
 """kind of an effect and its joint (from 1; None: the whole arm)"""
@@ -105,5 +106,9 @@ def group_called(name: str) -> AmbiguityGroup:
     kind = plain.replace(" ", "_")
     if kind in LIBRARY and LIBRARY[kind].search.in_diagnosis:
         return known[LIBRARY[kind].ambiguity.group]
-    listed = "; ".join(f"{g.name} ({', '.join(g.kinds)})" for g in known.values())
-    raise InputError(f"found no ambiguity group {name!r}; expected one of: {listed}")
+    kinds = [kind for group in known.values() for kind in group.kinds]
+    near = did_you_mean(kind, kinds) or did_you_mean(plain, known)
+    raise InputError(
+        f"found no ambiguity group {name!r}{near or ';'} expected one of {', '.join(known)}, or "
+        "an effect of one (`irb2400 explain` lists them)"
+    )

@@ -14,7 +14,7 @@ from irb2400_ctrl.identification.constant_runs import Run, runs_of
 from irb2400_ctrl.identification.fitting.baseline import plain_least_squares
 from irb2400_ctrl.identification.fitting.columns import ColumnLayout
 from irb2400_ctrl.identification.fitting.covariance import block_covariance
-from irb2400_ctrl.identification.fitting.fit import fit, left_unseen, scale_of
+from irb2400_ctrl.identification.fitting.fit import fit, left_unseen
 from irb2400_ctrl.identification.fitting.fitted import Fit
 from irb2400_ctrl.identification.fitting.given import given_torque
 from irb2400_ctrl.identification.fitting.moments import Recording, predicted, recordings
@@ -178,7 +178,7 @@ def _identified(robot: Robot, seen: Logs, others: Logs, gains: Gains | None) -> 
             *beside.notes,
             *against,
             *(one.says() for one in told_late),
-            *notes_of(moved, found, covariance, said, scale_of(parts)),
+            *notes_of(moved, found, covariance, said),
             *resting(told),
             *_recorded_how(parts, curves, sensed),
         ],

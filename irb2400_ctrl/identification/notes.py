@@ -32,10 +32,6 @@ ALIKE = 1.2
 """factor between those that share one"""
 FEWEST = 3
 """bodies that share a factor"""
-NO_FRICTION = 0.01
-"""of the rms torque of a joint: no drive has so little of it"""
-MOVING = 0.02
-"""[rad/s] rms speed of a joint whose friction shows"""
 
 
 def resting(told: Sequence[Verdict]) -> list[str]:
@@ -138,41 +134,19 @@ def _sure(extra: Extra, found: Fit, covariance: Array) -> bool:
     return bool((np.abs(values) > SURE * errors).any())
 
 
-def without_friction(found: Fit, scale: Sequence[Array]) -> list[str]:
-    """Torques that no drive needs: a model's.
-
-    Args:
-        found: the fit; scale: rms torque [Nm] and speed [rad/s] of each joint, (n,) each.
-    """
-    tau, qd = scale[:2]
-    dry = np.abs(found.theta[found.layout.drive("coulomb")])
-    friction = dry + np.abs(found.theta[found.layout.drive("viscous")]) * qd
-    moving = qd > MOVING
-    if np.count_nonzero(moving) < FEWEST or (friction > NO_FRICTION * tau)[moving].any():
-        return []
-    return [
-        "the torques hold no friction, less than 1 % of them on every joint: those of a "
-        "controller's model (`target_moment` of a Universal Robot), of a simulation or of a "
-        "command look so, measured ones do not"
-    ]
-
-
 def notes_of(
     moved: Sequence[Moved],
     found: Fit,
     covariance: Array,
     said: str,
-    scale: Sequence[Array] | None = None,
 ) -> list[str]:
     """What the reader has to know first.
 
     Args:
         moved: of every link; found: the fit; covariance: of its numbers, shape (p, p).
         said: of bodies that cannot exist, "" where all can.
-        scale: rms torque and speed of each joint; None: of friction nothing is said.
     """
-    notes = [] if scale is None else without_friction(found, scale)
-    notes += [_not_the_files(one) for one in moved if one.alarms]
+    notes = [_not_the_files(one) for one in moved if one.alarms]
     if any(one.alarms and one.far for one in moved):
         notes.append(
             "masses so far from the file's mostly have another cause: is there a load that the "

@@ -67,12 +67,11 @@ def understood_logs(robot: Robot, logs: Sequence[Log]) -> UnderstoodLogs:
         if problem is None or problem.kind == FAR_FROM_THE_FILE:
             kept.append(log)
             off |= set(found.other_friction)
+            remarkable += [f"{log.name}: {said}" for said in found.remarkable]
         else:
             problems.append(f"{log.name}: {problem.says}{_way_out(problem)}")
         if problem is not None:
             doubts[log.name] = problem.says
-        else:
-            remarkable += [f"{log.name}: {said}" for said in found.remarkable]
     if problems and not kept:
         of_several = f" (and {len(problems) - 1} more)" if len(problems) > 1 else ""
         raise InputError(

@@ -40,6 +40,8 @@ def speed_problem(log: Log) -> LogProblem | None:
     if log.qd is None:
         return None
     derived, recorded, moving, late, width = _paired(log, log.qd)
+    # an angle in too large a unit hardly moves, but for its speed
+    moving = moving | (np.sqrt(np.mean(recorded**2, axis=0)) > LEAST_SPEED)
     # a low-pass of first order that makes a speed so late also takes so much of it away
     size = np.maximum(np.linalg.norm(derived, axis=0), 1e-12)
     quick = np.linalg.norm(derived[width:] - derived[:-width], axis=0) * log.rate / width / size

@@ -21,6 +21,8 @@ SHARE = 0.2
 """and over the cost of the reading before it"""
 HALF = 0.5
 """of what is left, joint by joint in its own size, is the most that it may leave"""
+ALIKE = 0.9
+"""of a joint's torque left, from which another reading explains it no better"""
 BEYOND = 200.0
 """a price that only numbers far from the robot's reach: then a good fit proves nothing"""
 FITS_PRICE = 150.0
@@ -77,7 +79,13 @@ def clearly_better(
         on: joints of which little must be left; default all, shape (n,).
     """
     gain = other.cost - one.cost
-    less = np.sum(one.left[on] ** 2) < HALF * np.sum(other.left[on] ** 2)
+    # the only joint that the reading does not explain, and the other no worse (wrist gears that no
+    # file has), tells nothing of the two
+    dark = one.left > SOUND_LEFT
+    alone = dark.sum() == 1 and len(dark) > FEWEST_OTHERS
+    told = ~(alone & dark & (one.left > ALIKE * other.left))
+    ours, theirs = (np.sum((fit.left * told)[on] ** 2) for fit in (one, other))
+    less = ours < HALF * theirs
     return gain > max(MARGIN, SHARE * other.cost) and bool(hidden or less or other.price > BEYOND)
 
 

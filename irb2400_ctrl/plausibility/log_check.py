@@ -25,7 +25,7 @@ from irb2400_ctrl.plausibility.agreement import (
 from irb2400_ctrl.plausibility.channels import channel_problem
 from irb2400_ctrl.plausibility.cost_of_noise import torque_from_angle_noise
 from irb2400_ctrl.plausibility.criteria import SOUND_LEFT, percent
-from irb2400_ctrl.plausibility.parts import silent_problem
+from irb2400_ctrl.plausibility.parts import FRICTIONLESS, silent_problem
 from irb2400_ctrl.plausibility.problem import LogProblem, named
 from irb2400_ctrl.plausibility.rows import SHORTEST
 from irb2400_ctrl.plausibility.search import Understanding, understand
@@ -150,8 +150,15 @@ def examined(robot: Robot | None, log: Log, *, by_torques: bool = True) -> Exami
     stands: tuple[str, ...] = ()
     if problem is None:
         stands = (*standing_remarks(log), *speed_remarks(even), *command_remarks(log))
+    if understood is not None and understood.frictionless and _fits(problem):
+        stands = (FRICTIONLESS, *stands)
     stands = (*plan_remarks(log), *stands)
     return Examined(problem, understood, (*told, *stands, *_perhaps(problem, understood)))
+
+
+def _fits(problem: LogProblem | None) -> bool:
+    """Whether the columns are what they say, at least of another robot."""
+    return problem is None or problem.kind == "not_this_robot"
 
 
 def _problem(robot: Robot | None, log: Log, understood: Understanding | None) -> LogProblem | None:
@@ -161,7 +168,7 @@ def _problem(robot: Robot | None, log: Log, understood: Understanding | None) ->
         robot: as of `log_problem`; log: with its time base; understood: how the model explains it.
     """
     problem = None if understood is None else understood.problem
-    if robot is not None and (problem is None or problem.kind == "not_this_robot"):
+    if robot is not None and _fits(problem):
         problem = _travels(robot, log, understood) or problem
     asked = problem is None or problem.kind in {"time_scale", "not_this_robot"}
     speed = speed_problem(log) if asked else None
@@ -236,15 +243,15 @@ def check_log(robot: Robot | None, log: Log) -> LogCheck:
 
 
 def _not_vouched_for(understood: Understanding | None) -> list[str]:
-    """Where too little moves for the model to contradict the columns, or to confirm them."""
+    """Where the model neither contradicts the columns nor confirms them."""
     if understood is None or understood.problem is not None or understood.although:
         return []
     dark = [j + 1 for j, left in enumerate(understood.labelled.left) if left > UNEXPLAINED]
     if not dark:
         return []
     return [
-        f"the model explains less than half of the torque on {named(dark)}, and the motion is too "
-        "small to tell why: nothing vouches for units and signs there"
+        f"the model explains less than half of the torque on {named(dark)}: nothing vouches for "
+        "units and signs there"
     ]
 
 

@@ -1,4 +1,4 @@
-"""Torques that hold a part of what an arm needs: gravity taken out, or gravity alone.
+"""Torques that hold a part of what an arm needs: gravity taken out, gravity alone, no friction.
 
 A controller that holds the arm by itself commands and publishes what comes on top (`tau_J_d` of a
 Franka); a column of a model holds gravity and nothing else. No unit, sign or order of such columns
@@ -27,6 +27,17 @@ EXPECTED = 0.01
 """of the largest recorded torque, that a joint has which is asked, and that the model expects where
 a channel is silent"""
 
+NO_FRICTION = 0.05
+"""of the rms torque of a joint: no drive has so little of it, all of an arm's still less"""
+MOVING = 0.02
+"""[rad/s] rms speed of a joint whose friction shows, and"""
+FEWEST = 3
+"""of these that tell"""
+FRICTIONLESS = (
+    "the torques hold no friction, less than 5 % of them on every joint: those of a controller's "
+    "model (`target_moment` of a Universal Robot), of a simulation or of a command look so, "
+    "measured ones do not"
+)
 
 PARTS = (
     (
@@ -90,3 +101,28 @@ def silent_problem(robot: Robot, log: Log) -> LogProblem | None:
         "(then `irb2400 robot import` again) and leave its columns out",
         joints=tuple(dead),
     )
+
+
+def hold_no_friction(nominal: Nominal, rows: Rows) -> bool:
+    """Whether torques are a model's: bodies of any kind, without the file's, leave no friction.
+
+    tau = Y(q, qd, qdd) phi + Fc turn + Fv qd + J qdd + o by plain least squares
+
+    Args:
+        nominal: the robot, of which the lengths count.
+        rows: the slow part of the log.
+    """
+    speed = np.sqrt(np.mean(rows.qd**2, axis=0))
+    moving = speed > MOVING
+    if np.count_nonzero(moving) < FEWEST:
+        return False
+    Y = np.asarray(nominal.model.regressor(rows.q, rows.qd, rows.qdd))
+    signals = np.stack([rows.turn, rows.qd, rows.qdd, np.ones_like(rows.q)])
+    n = rows.q.shape[1]
+    drives = np.einsum("smj,jk->mjsk", signals, np.eye(n)).reshape(*rows.q.shape, -1)
+    X = np.concatenate([Y, drives], axis=2) / rows.size[:, None]
+    X = X.reshape(-1, X.shape[2])
+    scale = np.maximum(np.linalg.norm(X, axis=0), 1e-12)
+    found = np.linalg.lstsq(X / scale, (rows.tau / rows.size).ravel(), rcond=1e-8)[0] / scale
+    dry, viscous = np.abs(found[Y.shape[2] :]).reshape(len(signals), n)[:2]
+    return bool((dry + viscous * speed < NO_FRICTION * rows.size)[moving].all())

@@ -17,6 +17,7 @@ from irb2400_ctrl.plausibility.problem import named
 from irb2400_ctrl.robot import Robot
 
 DEGREE = np.pi / 180.0
+TURN = 2.0 * np.pi
 CLOCKS = {
     1e-3: "time looks like milliseconds under the name of seconds",
     1e3: "time looks like seconds under the name of milliseconds",
@@ -74,6 +75,13 @@ class Reading:
         one = np.eye(len(self.angles))
         elsewhere = self.offset.any() or self.clock != 1.0 or self.delay != 0.0
         return bool((self.angles == one).all() and not elsewhere)
+
+    @property
+    def keeps_size(self) -> bool:
+        """Whether every joint moves as far and as fast as some column: by signs, orders, zeros."""
+        size = np.abs(self.angles)
+        alike = ((size == 0.0) | (size == 1.0)).all() and (size.sum(axis=1) == 1.0).all()
+        return bool(alike and self.clock == 1.0)
 
     def after(self, first: Reading) -> Reading:
         """This one applied to what another has made of the file; it keeps the kind of the other,
@@ -135,6 +143,8 @@ def motion_readings(robot: Robot) -> Iterator[Reading]:
             B = np.eye(n)
             B[j, j] = factor
             yield reading("angle_unit", f"{says} on joint {j + 1}", B, j + 1, factor=factor)
+    says = "angles look like turns under the name of radians"
+    yield reading("angle_unit", says, TURN * np.eye(n), factor=TURN)
     yield reading("angle_sign", "all angles look turned over", -np.eye(n), factor=-1.0)
     for j in range(n):
         says = _turned("angle_sign", (j + 1,))

@@ -81,7 +81,7 @@ class Rows:
             self.q @ B.T + reading.offset,
             self.qd @ B.T / clock,
             self.qdd @ B.T / clock**2,
-            self.turn if reading.keeps_motion else np.tanh(way / CREEP),
+            self.turn @ B.T if reading.keeps_size else np.tanh(way / CREEP),
             # what is still stays still, or slow motion would be cheap to explain
             self.still[:, np.argmax(np.abs(B), axis=1)],
             self.tau @ reading.torques.T,

@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.reading.looks_like import looks_like
 from irb2400_ctrl.reading.stand_in import refuse_stand_in
 
 MOST_BYTES = 10_000_000
@@ -54,11 +55,13 @@ def bounded_text(path: Path, what: str, most: int = MOST_BYTES) -> str:
         raise InputError(f"{path}: found {found}, expected {what} in UTF-8; save it so") from error
 
 
-def toml_tables(text: str, source: str) -> dict[str, Any]:
+def toml_tables(text: str, source: str, what: str) -> dict[str, Any]:
     """The tables of a TOML text.
 
     Args:
+        text: what is read.
         source: what to call it in messages.
+        what: what it is to be, such as `a robot file (TOML)`.
 
     Raises:
         InputError: not TOML, nested without end, or numbers of thousands of digits.
@@ -74,7 +77,8 @@ def toml_tables(text: str, source: str) -> dict[str, Any]:
     except tomllib.TOMLDecodeError as error:
         slash = str(error).startswith(_OF_A_BACKSLASH)
         hint = "; write a path with /, or in single quotes: 'C:\\arm.toml'" if slash else ""
-        raise InputError(f"{source} is not TOML: {error}{hint}") from error
+        other = looks_like(text.partition("\n")[0].split(","), "")
+        raise InputError(f"{source} is not TOML, expected {what}: {error}{hint}{other}") from error
     except RecursionError as error:
         raise InputError(f"{source} is not a file of this kind: nested without end") from error
     except ValueError as error:

@@ -64,7 +64,7 @@ def load_robot(source: str | Path) -> Robot:
         text = bounded_text(path, "a robot file (TOML)")
         folder = path.parent
     try:
-        data = toml_tables(text, str(source))
+        data = toml_tables(text, str(source), "a robot file (TOML)")
         data["effect_files"] = _loaded(data.get("effect_files", []), folder, str(source))
         return Robot.model_validate(data)
     except ValidationError as error:

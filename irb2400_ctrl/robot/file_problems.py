@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Sequence
 from typing import Any
 
 from pydantic import BaseModel, ValidationError
+
+from irb2400_ctrl.wording import did_you_mean
 
 # pydantic puts the tag of a union into the path; a file has no such key
 _TAGS = {"ModifiedDH", "Transform", "capsule", "cylinder", "sphere", "box", "mesh"}
@@ -37,9 +38,7 @@ def explain(
         ).lstrip(".")
         if item["type"] == "extra_forbidden":
             keys = sorted({key for table in tables for key in table.model_fields})
-            near = difflib.get_close_matches(str(item["loc"][-1]), keys, n=1)
-            hint = f"; did you mean {near[0]}?" if near else ""
-            lines.append(f"{place}: unknown key{hint}")
+            lines.append(f"{place}: unknown key{did_you_mean(item['loc'][-1], keys)}")
         else:
             value: Any = item["input"]
             found = (

@@ -3,7 +3,6 @@ reported at once."""
 
 from __future__ import annotations
 
-import difflib
 import hashlib
 import json
 from functools import cached_property
@@ -32,6 +31,7 @@ from irb2400_ctrl.sweep.motions import RandomPoses, StudyMotion
 from irb2400_ctrl.sweep.quantities import FORMS, Deviations, EffectDraw, PayloadSpread, Quantity
 from irb2400_ctrl.table import Table
 from irb2400_ctrl.typed import typed
+from irb2400_ctrl.wording import did_you_mean
 
 
 def _robot(value: object, info: ValidationInfo) -> object:
@@ -180,7 +180,7 @@ def load_study(path: Path | str) -> Study:
         raise InputError(f"no study file {path}; expected a TOML file (see docs/sweep.md)")
     text = bounded_text(path, "a study (TOML)")
     try:
-        tables = toml_tables(text, str(path))
+        tables = toml_tables(text, str(path), "a study (TOML)")
         study = Study.model_validate(tables, context={"folder": path.parent})
     except ValidationError as error:
         raise InputError(
@@ -192,8 +192,8 @@ def load_study(path: Path | str) -> Study:
 
 def changed_keys(before: str, after: str) -> list[str]:
     """Top-level keys in which two study texts differ."""
-    old = toml_tables(before, "the study before")
-    new = toml_tables(after, "the study")
+    old = toml_tables(before, "the study before", "a study (TOML)")
+    new = toml_tables(after, "the study", "a study (TOML)")
     missing = object()
     return [
         key
@@ -223,8 +223,7 @@ def _explain(error: ValidationError) -> list[str]:
         place = "".join(f"[{p + 1}]" if isinstance(p, int) else f".{p}" for p in parts).lstrip(".")
         message = item["msg"].removeprefix("Value error, ")
         if item["type"] == "extra_forbidden":
-            near = difflib.get_close_matches(str(item["loc"][-1]), _keys(), n=1)
-            message = "unknown key" + (f"; did you mean {near[0]}?" if near else "")
+            message = f"unknown key{did_you_mean(item['loc'][-1], _keys())}"
         elif item["type"] != "value_error" and not isinstance(
             item["input"], dict | list | BaseModel
         ):

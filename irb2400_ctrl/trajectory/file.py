@@ -139,8 +139,8 @@ def _table(path: Path) -> tuple[list[str], Array]:
                 values.extend(map(float, cells))
             except ValueError as error:
                 raise InputError(
-                    f"{path}, line {number}: a cell is not a number, expected one number per "
-                    "column of the header"
+                    f"{path}, line {number}: a cell is not a number, expected a motion: one number "
+                    "per column of the header"
                 ) from error
         if len(values) > MOST_NUMBERS:
             raise InputError(

@@ -78,6 +78,9 @@ def test_report_is_one_self_contained_file(demo: tuple[Path, str]) -> None:
     assert len(page) < 5e6
     start = page[page.index("<main") : page.index("<section")]
     assert "gear_ripple on joint 4" in start
+    listed = page[page.index("<nav") : page.index("</nav>")]
+    contents = re.findall(r'<a href="#[^>]*>([^<]*)<', listed)
+    assert len(contents) == len(set(contents)) > 10
 
 
 def test_findings_keep_the_contract_and_reach_the_noise_floor(demo: tuple[Path, str]) -> None:

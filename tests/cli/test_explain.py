@@ -109,8 +109,10 @@ def test_a_kind_as_people_write_it(name: str) -> None:
     assert explain(name)["kind"] == "gear_ripple"
 
 
-def test_an_unknown_kind_lists_the_others() -> None:
-    with pytest.raises(InputError, match=r"no effect 'rust'; expected one of .*payload"):
+def test_an_unknown_kind_names_the_nearest() -> None:
+    with pytest.raises(InputError, match=r"no effect 'gear_riple'; did you mean gear_ripple\?"):
+        explain("gear_riple")
+    with pytest.raises(InputError, match=r"no effect 'rust'; .* `irb2400 explain` lists all"):
         explain("rust")
 
 

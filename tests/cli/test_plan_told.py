@@ -40,7 +40,8 @@ def test_a_linked_plan_says_its_clearance_and_its_deviation(folder: Path) -> Non
     assert "straight between rows the TCP cuts curves" in told
     # the report is what is passed on, and its head said that all is well
     assert f"leaves the path by up to {most:.3f} mm" in (folder / "links/report.html").read_text()
-    assert "written to links: program.json, trajectory.csv, plan.json, report.html and" in told
+    names = ("program.json", "trajectory.csv", "plan.json", "report.html")
+    assert f"written: {', '.join(f'links/{name}' for name in names)} and a folder per" in told
 
 
 def test_an_acceleration_is_told_beside_speed_and_torque(folder: Path) -> None:
@@ -89,6 +90,22 @@ def test_published_numbers_are_not_told_each_time(capsys: pytest.CaptureFixture[
     finally:
         settings.reset(asked)
     assert capsys.readouterr().err.count("\n") == 1
+
+
+def test_bodies_that_cannot_exist_are_one_line(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A file that a diagnosis of the published robot wrote told four with every command."""
+    robot = load_robot("irb2400")
+    links = tuple(
+        link.model_copy(update={"body": link.body.model_copy(update={"com_m": (0.01, 0.0, 0.0)})})
+        for link in robot.links
+    )
+    save_robot(robot.model_copy(update={"links": links}), tmp_path / "found.toml")
+    load_arm(str(tmp_path / "found.toml"))
+    told = capsys.readouterr().err
+    assert told.count("\n") == 1
+    assert "link_2, link_3, link_4 and link_6: bodies that cannot exist" in told
 
 
 def test_how_far_an_axis_is_out_is_the_difference_of_the_numbers_told(tmp_path: Path) -> None:

@@ -146,9 +146,11 @@ def test_every_effect_of_the_library_is_in_a_group_with_advice() -> None:
         assert group.measure_else, group.name
 
 
-def test_unknown_group_lists_the_groups() -> None:
-    with pytest.raises(InputError, match=r"friction level \(coulomb_change, load_friction\)"):
+def test_unknown_group_lists_the_groups_and_names_the_nearest_effect() -> None:
+    with pytest.raises(InputError, match=r"'nonsense'; expected one of base, .*, friction level,"):
         excite(ROBOT, "nonsense")
+    with pytest.raises(InputError, match=r"did you mean load_friction\?"):
+        excite(ROBOT, "load_fricton")
     assert (
         group_called("load_friction").name
         == group_called("friction-level").name

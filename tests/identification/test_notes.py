@@ -172,23 +172,3 @@ def test_it_is_said_how_far_confirmed_bodies_went() -> None:
 def test_nothing_is_confirmed_beside_what_speaks_against_it() -> None:
     assert not of_the_bodies([body(5.0)], [judged([4.0, 3.0], [4.0, 3.0])], False)
     assert not of_the_bodies([body(1.0)], [judged([4.0, 3.0], [4.0, 3.0])], True)
-
-
-@pytest.mark.parametrize(
-    ("dry", "viscous", "moving", "said"),
-    [(0.004, 1e-4, 3, True), (0.02, 1e-4, 3, False), (0.004, 0.2, 3, False),
-     (0.004, 1e-4, 2, False)],
-)  # fmt: skip
-def test_torques_without_friction_are_a_models(
-    dry: float, viscous: float, moving: int, said: bool
-) -> None:
-    """`target_moment` of a Universal Robot, taken for the measured torque, was not remarked on."""
-    layout = ColumnLayout(4)
-    theta = np.ones(layout.count)
-    theta[layout.drive("viscous")] = viscous
-    theta[layout.drive("coulomb")] = [0.1, 0.1, 10.0 * dry, 5.0]
-    found: Any = SimpleNamespace(layout=layout, theta=theta)
-    # the last joint rests: nothing shows its friction; of too few joints nothing is said
-    scale = (np.array([100.0, 50.0, 10.0, 1.0]), 1.0 * (np.arange(4) < moving))
-    notes = notes_of((), found, np.eye(layout.count), "", scale)
-    assert [note.startswith("the torques hold no friction") for note in notes] == [True] * said

@@ -109,7 +109,7 @@ def test_an_angle_is_not_read_so_that_its_joint_leaves_its_range() -> None:
     rows = rows_of(LOG)
     assert rows is not None
     readings = [one for one in motion_readings(ROBOT) if one.kind == "angle_unit"]
-    larger = [one for one in readings if one.fits["factor"] > 1.0]
+    larger = [one for one in readings if one.fits["factor"] > 10.0]
     smaller = [one for one in readings if one.fits["factor"] < 1.0]
     assert len(larger) == len(smaller) == 7
     search = _Search(Nominal(ROBOT), LOG, rows)

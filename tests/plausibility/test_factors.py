@@ -73,3 +73,12 @@ def test_the_factor_of_speeds_with_lost_rows_is_the_true_one() -> None:
     assert (found.kind, found.joints) == ("speed_unit", (2,))
     assert found.fits["factor"] == pytest.approx(1.0 / 1.5, rel=0.01)
     assert found.says.startswith("dq/dt is 0.667 times the recorded speed on joint 2: ")
+
+
+def test_an_angle_in_a_unit_so_large_that_it_hardly_moves_is_held_against_its_speed() -> None:
+    """Radians under degrees on one joint: its dq/dt was that of a joint at rest."""
+    log = sines(250.0, 0.15)
+    found = speed_problem(replace(log, q=log.q * [1.0, np.pi / 180.0, 1.0]))
+    assert found is not None
+    assert (found.kind, found.joints) == ("speed_unit", (2,))
+    assert found.says.endswith("on joint 2: degrees and radians")

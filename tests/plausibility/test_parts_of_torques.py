@@ -15,7 +15,7 @@ from sound_logs import Drawn, sound_log
 
 import irb2400_ctrl as irb
 from irb2400_ctrl.measurement import Log
-from irb2400_ctrl.plausibility import log_problem, search
+from irb2400_ctrl.plausibility import check_log, log_problem, search
 from irb2400_ctrl.plausibility.evidence import Fit, Nominal
 from irb2400_ctrl.plausibility.parts import best_part
 from irb2400_ctrl.plausibility.problem import LogProblem
@@ -197,3 +197,28 @@ def test_one_reading_twice_is_said_once() -> None:
     twice = slow.after(slow)
     assert twice.clock == 1e6
     assert twice.says == slow.says
+
+
+@pytest.mark.parametrize(("seed", "share"), [(None, 0.0), (None, 0.3), (990001, 0.0)])
+def test_torques_of_a_model_are_told_by_the_friction_that_they_lack(
+    seed: int | None, share: float
+) -> None:
+    """`target_moment` of a Universal Robot: `identify` remarked on it, `log check` did not."""
+    drawn = plain() if seed is None else other_arm_log(seed)
+    model = irb.Model(drawn.robot)
+    qd = np.gradient(drawn.log.q, drawn.log.time, axis=0)
+    qdd = np.gradient(qd, drawn.log.time, axis=0)
+    rigid = np.asarray(model.inverse_dynamics(drawn.log.q, qd, qdd, friction=False))
+    friction = share * np.sqrt(np.mean(rigid**2, axis=0)) * np.tanh(qd / 0.01)
+    made = check_log(drawn.robot, replace(drawn.log, tau=rigid + friction))
+    said = [remark for remark in made.remarks if remark.startswith("the torques hold no friction")]
+    assert len(said) == (share == 0.0)
+    assert not any("no friction" in one for one in check_log(drawn.robot, drawn.log).remarks)
+
+
+def test_angles_in_turns_are_told() -> None:
+    drawn = plain()
+    turns = replace(drawn.log, q=drawn.log.q / (2.0 * np.pi), q_ref=None, qd=None)
+    found = log_problem(drawn.robot, turns)
+    assert found is not None
+    assert (found.kind, found.fits["factor"]) == ("angle_unit", pytest.approx(2.0 * np.pi))

@@ -48,5 +48,5 @@ def on_rail(
     for line in margin_lines(facts["start"], facts["found"]):
         print(line)
     print(f"in the cell file: [rail] position_mm = {found.position_mm:g}")
-    print(f"written to {out}: placement.json, report.html")
+    print(f"written: {', '.join(map(str, written))}")
     return Summary(facts, written)

@@ -146,7 +146,7 @@ def _written(facts: dict[str, Any], page: Page, arm: Robot, out: Path) -> Summar
         write_json(out / "placement.json", facts),
         page.write(out / "report.html"),
     ]
-    print(f"written to {out}: placement.json, report.html")
+    print(f"written: {', '.join(map(str, written))}")
     return Summary(facts, written)
 
 

@@ -313,8 +313,9 @@ def _plan_one(job: Job) -> Summary:
             written += write_plan_module(planned, operation, job.rapid, frame, job.out)
     print(f"{job.program.name}: {len(toolpath)} points, {planned.summary()['duration_s']:.2f} s")
     _print_summary(planned, options["tolerance"])
-    print(f"written to {job.out}: {', '.join(written)}")
-    return Summary(planned.summary(), [job.out / name for name in written])
+    paths = [job.out / name for name in written]
+    print(f"written: {', '.join(map(str, paths))}")
+    return Summary(planned.summary(), paths)
 
 
 def _print_summary(planned: Plan, tolerance: float) -> None:

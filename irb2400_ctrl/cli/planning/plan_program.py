@@ -165,7 +165,7 @@ def _told(found: ProgramPlan, job: Job, written: Sequence[Path]) -> Summary:
             print(f"{done.folder}: {points} points, {done.duration:.2f} s")
     if found.motion is not None:
         print_motion(found.motion, found.program.name, job.options["tolerance"])
-    print(f"written to {job.out}: {_files(written, job.out)}")
+    print(f"written: {_files(written, job.out)}")
     whole = {} if found.motion is None else found.motion.summary()
     return Summary({**whole, "program": found.summary()}, written, _refusal(found))
 
@@ -278,7 +278,7 @@ def report(
 
 def _files(written: Sequence[Path], out: Path) -> str:
     """What lies in the folder itself; those of the operations in a word."""
-    names = [path.name for path in written if path.parent == out]
+    names = [str(path) for path in written if path.parent == out]
     return f"{', '.join(names)} and a folder per operation"
 
 

@@ -234,8 +234,9 @@ def load_column_map(path: Path | str) -> ColumnMap:
     """
     path = Path(path)
     try:
-        text = bounded_text(path, "a column map (TOML)")
-        return ColumnMap.model_validate(toml_tables(text, str(path)))
+        what = "a column map (TOML)"
+        text = bounded_text(path, what)
+        return ColumnMap.model_validate(toml_tables(text, str(path), what))
     except ValidationError as error:
         wrong = explain(str(path), "column map", error, [ColumnMap, TimeColumn, Column])
         raise InputError(f"{wrong}\n  docs/logs.md says what a column map holds") from error

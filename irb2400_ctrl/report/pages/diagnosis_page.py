@@ -217,7 +217,7 @@ def _add_joints(page: Page, diagnosis: Diagnosis, log: Log | None) -> None:
         return
     seen = diagnosis.identification
     before, after = residuals(seen, joints[0])
-    page.heading("The motion")
+    page.heading("The recorded motion")
     view = residual_view(
         diagnosis.robot, log, seen.time, {"before": before, "after": after}, joints[0]
     )

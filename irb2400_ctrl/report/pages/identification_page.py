@@ -223,7 +223,7 @@ def _add_motion(page: Page, result: Identification, log: Log) -> None:
         name: np.where(seen.known, seen.measured - model, np.nan)[:, worst]
         for name, model in (("by the file", seen.before), ("by the identified arm", seen.unseen))
     }
-    page.heading("The motion")
+    page.heading("The recorded motion")
     view = residual_view(result.robot, log, seen.time, residuals, worst + 1)
     page.arm(view, f"{Path(log.name).name}, coloured by what is left on joint {worst + 1}.")
 

@@ -57,7 +57,7 @@ def validation_page(result: Validation, robot: Robot | None = None, log: Log | N
     if robot is not None and log is not None:
         first = result.logs[0]
         left = np.where(first.known, first.measured - first.modelled, np.nan)[:, worst]
-        page.heading("The motion")
+        page.heading("The recorded motion")
         view = residual_view(robot, log, first.time, {"by the model": left}, worst + 1)
         page.arm(view, f"The recorded motion, coloured by what is left on joint {worst + 1}.")
     return page

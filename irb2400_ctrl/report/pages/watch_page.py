@@ -184,7 +184,7 @@ def _add_arm(page: Page, watched: Watch) -> None:
     colouring = Colouring(
         "residual/usual, of the worst joint", "", np.interp(log.time, time, most), 1
     )
-    page.heading("The motion")
+    page.heading("The recorded motion")
     page.arm(
         ArmView(watched.robot, log.time, log.q, (colouring,)),
         f"The last {log.duration:.0f} s; nothing around the arm is known here.",

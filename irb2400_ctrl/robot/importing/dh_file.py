@@ -18,7 +18,7 @@ import numpy as np
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InputError
-from irb2400_ctrl.reading import bounded_text
+from irb2400_ctrl.reading import bounded_text, looks_like
 from irb2400_ctrl.robot.importing.tree import Mass, Tree, TreeJoint, pose
 
 CONVENTIONS = ("standard", "modified")
@@ -86,12 +86,14 @@ def read_dh(path: Path, convention: str | None) -> Tree:
     comments = [line.strip('"#,;\t ') for line in lines if line.startswith(("#", '"#'))]
     named = [c.partition(":")[2].strip() for c in comments if c.lower().startswith("convention")]
     convention = (convention or (named[0] if named else "")).lower()
+    table = [line for line in lines if not line.startswith(("#", '"#'))]
     if convention not in CONVENTIONS:
         raise InputError(
-            f"{path}: the convention is {convention or 'not stated'}, expected standard or "
-            "modified; write a line `# convention: standard` above the header or give --convention"
+            f"{path}: the convention of the DH table is {convention or 'not stated'}, expected "
+            "standard or modified; write a line `# convention: standard` above the header or give "
+            f"--convention{looks_like(''.join(table[:1]).split(','), '')}"
         )
-    rows = _rows(path, [line for line in lines if not line.startswith(("#", '"#'))], separator)
+    rows = _rows(path, table, separator)
     links: dict[str, Mass | None] = {"base": None}
     joints = []
     parent = "base"

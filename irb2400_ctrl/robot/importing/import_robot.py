@@ -52,7 +52,8 @@ def import_robot(
 def read_tree(path: Path, convention: str | None = None) -> Tree:
     """The links and joints of a file of any known format."""
     if not path.is_file():
-        raise InputError(f"{path}: found nothing, expected a URDF, an MJCF, or a DH table (CSV)")
+        found = "a folder" if path.is_dir() else "nothing"
+        raise InputError(f"{path}: found {found}, expected a URDF, an MJCF, or a DH table (CSV)")
     if path.suffix.lower() == ".csv":
         return read_dh(path, convention)
     root = xml_root(path, "a URDF or an MJCF")
