@@ -24,6 +24,7 @@ from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.controllers.timing import Timing
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.model import Model
+from irb2400_ctrl.model.elasticity import rigid
 from irb2400_ctrl.model.numeric import evaluate
 from irb2400_ctrl.robot import Robot
 from irb2400_ctrl.wording import joined
@@ -67,7 +68,7 @@ def typical_inertia(robot: Robot) -> NDArray[np.float64]:
     q = rng.uniform(robot.q_min, robot.q_max, (256, robot.n))
     if robot.n > 4:
         q[0, 4] = 0.0  # the lightest pose of the wrist, which chance may miss
-    M = Model(robot).mass_matrix(q)
+    M = Model(rigid(robot)).mass_matrix(q)
     least = float(np.linalg.eigvalsh(M).min())
     felt = 1.0 / np.einsum("kjj->kj", np.linalg.inv(M))
     if not felt.min() > 0:
