@@ -39,7 +39,7 @@ from irb2400_ctrl.controllers.parts import (
     signals_in,
     torque_out,
 )
-from irb2400_ctrl.controllers.scaling import fastest_crossover, typical_inertia
+from irb2400_ctrl.controllers.scaling import typical_inertia
 from irb2400_ctrl.controllers.stribeck import fade
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.model import Model
@@ -49,11 +49,6 @@ from irb2400_ctrl.typed import typed
 PAYLOAD = 4
 """learned of the load at the flange: mass and first moments; its own inertia is too small to be
 told from them"""
-BANDWIDTH = 60.0
-"""of the error [rad/s], where the sample time bears it"""
-SHARE = 0.81
-"""of the crossover that the drive's delay leaves a speed loop, for Kd: with the position gain and
-the learning beside it"""
 LEAST = 1e-6
 """Kd [1/s] and learning limit [1/s] of a law without gains, which would be divided by"""
 UNBOUNDED = 1e6
@@ -87,9 +82,7 @@ def adaptive(
 
     Args:
         robot: the arm it knows; sample_time: period [s].
-        bandwidth: of the error, as in `computed_torque`; default 60, less where the sample time is
-            above 3 ms: learning uses up what margin is left there.
-        damping: of the error, as in `computed_torque`.
+        bandwidth, damping: of the error, as in `computed_torque`.
         adaptation_time: how fast a parameter alone is learned in a typical motion [s].
     """
     if not adaptation_time > 0:
@@ -115,8 +108,8 @@ def adaptive(
         steps = {"error": error, "speed_error": speed_error, "wanted": wanted, "Y": Y}
         return {"tau": tau, "theta": theta, **steps, "heard": heard, **after}
 
-    omega = _bandwidth(robot, sample_time, damping) if bandwidth is None else bandwidth
-    gains = _gains(robot, typical, omega, damping, adaptation_time)
+    pd = pd_gains(robot, sample_time, bandwidth, damping)
+    gains = _gains(robot, typical, pd, adaptation_time)
     return assemble(
         "adaptive", "computed torque that learns load and dry friction", sample_time, law,
         states=(_theta(robot), *model.states),
@@ -158,11 +151,18 @@ def _theta(robot: Robot) -> Field:
 def _gains(
     robot: Robot,
     typical: Array,
-    bandwidth: ArrayLike,
-    damping: ArrayLike,
+    pd: tuple[Field, Field],
     adaptation_time: float,
 ) -> tuple[Field, ...]:
-    kp, kd = pd_gains(robot, bandwidth, damping)
+    """Those of the error, and how fast is learned beside them.
+
+    Args:
+        robot: the arm it knows.
+        typical: Y in a typical motion, shape (k, n, p).
+        pd: Kp and Kd.
+        adaptation_time: [s].
+    """
+    kp, kd = pd
     J = typical_inertia(robot)
     rate = _rates(typical, J * np.maximum(kd.start, LEAST), adaptation_time)
     limit = max(LEARNING * float(np.sqrt(kp.start).min()), LEAST)
@@ -189,12 +189,6 @@ def _regressor(robot: Robot) -> ca.Function:
     load = s.regressor(robot.n + 1)[:, :PAYLOAD]
     Y = ca.densify(ca.cse(ca.horzcat(load, ca.diag(s.sign))))
     return ca.Function("regressor", [s.q, s.qd, s.qdd, qd_ref], [Y])
-
-
-def _bandwidth(robot: Robot, sample_time: float, damping: ArrayLike) -> Array:
-    """[rad/s] of each joint, no faster than leaves margins at the sample time."""
-    zeta = gain(robot, "damping", "-", "damping ratio of the tracking error", damping).start
-    return np.minimum(BANDWIDTH, SHARE * fastest_crossover(sample_time) / (2 * np.maximum(zeta, 1)))
 
 
 def _typical(robot: Robot, regressor: ca.Function) -> Array:

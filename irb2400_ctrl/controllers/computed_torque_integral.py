@@ -25,6 +25,8 @@ from irb2400_ctrl.typed import typed
 
 INTEGRAL = 0.1
 """Ti [s], where the arm bears it"""
+BEHIND = 6.0
+"""least Ti in units of 1 / bandwidth"""
 OVERTAKEN = 1.8
 """least Kd Ti m in the lightest direction, m in units of J: sensitivity peak 1.6; unstable below
 1"""
@@ -35,7 +37,7 @@ def computed_torque_integral(
     robot: Robot,
     sample_time: float = 0.001,
     *,
-    bandwidth: ArrayLike = 60.0,
+    bandwidth: ArrayLike | None = None,
     damping: ArrayLike = 1.0,
     integral_time: ArrayLike | None = None,
     deadband: ArrayLike = 1e-4,
@@ -50,12 +52,13 @@ def computed_torque_integral(
     Args:
         robot: the arm it knows; sample_time: period [s].
         bandwidth, damping: of the error, as in `computed_torque`.
-        integral_time: Ti [s]; default 0.1, longer where the arm gets too light for that.
+        integral_time: Ti [s]; default 0.1, longer where the arm gets too light for that or the
+            bandwidth is below 60.
         deadband: angle error that is left alone at rest [rad].
         tables: as in `computed_torque`.
     """
     model = Compensation(robot, sample_time, tables)
-    kp, kd = pd_gains(robot, bandwidth, damping)
+    kp, kd = pd_gains(robot, sample_time, bandwidth, damping)
     ti = _integral_time(robot, integral_time, kp.start, kd.start)
     ki = typical_inertia(robot) * kp.start / np.maximum(ti, 1e-6)
     slow = np.maximum(ti, sample_time)
@@ -108,6 +111,7 @@ def _integral_time(robot: Robot, stated: ArrayLike | None, kp: Array, kd: Array)
         if (kp * kd).all():
             J = typical_inertia(robot)
             light = inertia_span(robot, J).light
-            stated = max(INTEGRAL, OVERTAKEN / (light * float(kd.min())))
-            stated = np.maximum(stated, FADING * (kd + robot.friction[:, 2] / J) / kp)
+            least = max(INTEGRAL, OVERTAKEN / (light * float(kd.min())))
+            fading = FADING * (kd + robot.friction[:, 2] / J) / kp
+            stated = np.maximum(least, np.maximum(fading, BEHIND / np.sqrt(kp)))
     return gain(robot, "integral_time", "s", "", stated).start
