@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy.optimize import linear_sum_assignment
 
-from irb2400_ctrl.arrays import Array, Mask
+from irb2400_ctrl.arrays import Array, Mask, rms
 from irb2400_ctrl.measurement.log import Log
 from irb2400_ctrl.measurement.log_facts import LAG
 from irb2400_ctrl.plausibility.factors import filled, one_factor, quotients, trapezoid_loss
@@ -169,7 +169,7 @@ def _compared(
         scale: factor that is too much where the two go together closely, shape (n,); None: not
             looked at.
     """
-    joints = np.flatnonzero(moving & (np.sqrt(np.mean(there**2, axis=0)) > 1e-9))
+    joints = np.flatnonzero(moving & (rms(there) > 1e-9) & (rms(here) > 1e-9))
     if not len(joints):
         return None
     a = here[:, joints] / np.linalg.norm(here[:, joints], axis=0)

@@ -222,5 +222,5 @@ def test_command(
     with pytest.raises(SystemExit) as end:
         run()
     assert end.value.code == 2
-    assert "expected one of: base (base_tilt)" in capsys.readouterr().err
+    assert "expected one of base, coupling" in capsys.readouterr().err
     assert not out.exists()

@@ -21,12 +21,12 @@ def test_a_file_of_just_as_many_bytes_is_read_whole(tmp_path: Path) -> None:
 
 def test_a_key_may_have_fifty_names() -> None:
     key = ".".join("a" * 50)
-    found = toml_tables(f"b = 2\n{key} = 1\n", "it")
+    found = toml_tables(f"b = 2\n{key} = 1\n", "it", "a file (TOML)")
     for _ in range(49):
         found = found["a"]
     assert found == {"a": 1}
     with pytest.raises(InputError, match="line 2 has a key of more than 50 names"):
-        toml_tables(f"b = 2\n{key}.a = 1\n", "it")
+        toml_tables(f"b = 2\n{key}.a = 1\n", "it", "a file (TOML)")
 
 
 @pytest.mark.parametrize(

@@ -162,7 +162,7 @@ def test_five_axes_are_not_told_to_hold_one() -> None:
     kept = {name: getattr(arm, name)[:5] for name in ("links", "joints")}
     eye = tuple(tuple(float(i == j) for j in range(5)) for i in range(5))
     coupling = arm.coupling.model_copy(update={"matrix": eye, "offset_rad": (0.0,) * 5})
-    five = arm.model_copy(update={**kept, "coupling": coupling})
+    five = arm.model_copy(update={**kept, "coupling": coupling, "effects": ()})
     with pytest.raises(InputError, match=r"this one has 5; with fewer it meets few of the poses"):
         irb.Model(five).inverse_kinematics(np.eye(4))
 
