@@ -25,7 +25,7 @@ def named(found: Diagnosis) -> list[tuple[str, int | None]]:
     ("kind", "joint"),
     [
         ("wrist_coupling", 5),
-        ("coulomb_change", 5),
+        pytest.param("coulomb_change", 5, marks=pytest.mark.slow),
         pytest.param("cable_spring", 3, marks=pytest.mark.slow),
     ],
 )

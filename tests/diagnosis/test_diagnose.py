@@ -35,7 +35,9 @@ def diagnosed(seed: int, *effects: Effect, reference: bool = True) -> Diagnosis:
     return diagnose(load_robot("irb2400"), *logs)
 
 
-@pytest.mark.parametrize("seed", [31, 32, 33])
+@pytest.mark.parametrize(
+    "seed", [31, *(pytest.param(seed, marks=pytest.mark.slow) for seed in (32, 33))]
+)
 def test_nothing_is_missing_on_a_clean_arm(seed: int) -> None:
     found = diagnosed(seed)
     assert found.verdict == "nothing_missing"
@@ -47,10 +49,10 @@ def test_nothing_is_missing_on_a_clean_arm(seed: int) -> None:
     [
         ("gear_ripple", 4),
         ("load_friction", 2),
-        ("torque_gain", 5),
-        ("cable_spring", 4),
+        pytest.param("torque_gain", 5, marks=pytest.mark.slow),
+        pytest.param("cable_spring", 4, marks=pytest.mark.slow),
         ("rotor_inertia", 3),
-        ("torque_offset", 4),
+        pytest.param("torque_offset", 4, marks=pytest.mark.slow),
     ],
 )
 def test_an_effect_is_named_and_takes_the_validation_error_away(kind: str, joint: int) -> None:

@@ -114,6 +114,7 @@ def test_the_file_takes_the_numbers_that_the_names_alone_leave() -> None:
     np.testing.assert_allclose(found.residual, 0.0, atol=0.01)
 
 
+@pytest.mark.slow
 def test_a_liquid_that_shakes_all_joints_changes_no_number_of_the_robot(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

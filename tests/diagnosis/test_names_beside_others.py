@@ -20,13 +20,13 @@ from irb2400_ctrl.measurement import Log
     ("name", "place", "seed"),
     [
         # four kilograms beside play of axis 2: on the other joints that leaves little
-        ("pairs", 3, 20261124),
+        pytest.param("pairs", 3, 20261124, marks=pytest.mark.slow),
         # grease of axis 5 beside a coupling of axis 5: more than another shape of that leaves, and
         # its two rates end beyond the record
         pytest.param("three", 3, 20261123, marks=pytest.mark.slow),
         # friction of axis 4 that grows with the motor's torque, not with what moves the links, and
         # grease of axis 6
-        ("pairs", 0, 20261127),
+        pytest.param("pairs", 0, 20261127, marks=pytest.mark.slow),
         # play of axis 1, on which no weight rests, beside a wrong zero of axis 2: it was a spring
         ("pairs", 5, 20261720),
         # nothing beside a hysteresis of axis 5: two rows before the first that is fitted, where it

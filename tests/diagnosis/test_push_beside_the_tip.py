@@ -64,7 +64,7 @@ def test_its_moment_is_the_lever_times_the_force() -> None:
     assert pushed - free == pytest.approx(virtual_work(q), abs=1e-3)
 
 
-@pytest.mark.parametrize("place", [PLACE, 0.3 * PLACE])
+@pytest.mark.parametrize("place", [PLACE, pytest.param(0.3 * PLACE, marks=pytest.mark.slow)])
 def test_a_push_beside_the_tip_is_named_with_its_moment(place: npt.NDArray[np.float64]) -> None:
     """Held to the tool centre point, pushes 0.2 m beside it were "unexplained", and the bodies of
     the file to blame by a hundred standard deviations (23 and 44 N on two arms). One of nine

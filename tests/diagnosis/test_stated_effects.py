@@ -31,8 +31,8 @@ ROBOT = load_robot("irb2400").with_effects(STATED)
     ("seed", "share", "said"),
     [
         (3528000, 0.7, "30 % weaker"),
-        (3528000, 1.2, "20 % stronger"),
-        (3528001, 0.0, "100 % weaker"),
+        pytest.param(3528000, 1.2, "20 % stronger", marks=pytest.mark.slow),
+        pytest.param(3528001, 0.0, "100 % weaker", marks=pytest.mark.slow),
     ],
 )
 def test_how_much_of_its_strength_a_balancer_has_lost(seed: int, share: float, said: str) -> None:

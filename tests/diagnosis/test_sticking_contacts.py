@@ -80,7 +80,7 @@ def test_contacts_of_all_joints_that_hold_over_two_milliradians_are_none() -> No
     assert UNSETTLED not in found.weak
 
 
-@pytest.mark.parametrize("angle", [4e-3, 12e-3])
+@pytest.mark.parametrize("angle", [4e-3, pytest.param(12e-3, marks=pytest.mark.slow)])
 def test_one_joint_whose_friction_turns_over_later_than_the_others_is_one(angle: float) -> None:
     log = log_of({6: angle})
     assert contacts(prepare(log)) == Contacts(LEAST, frozenset({6}))  # one joint is not the arm

@@ -12,7 +12,7 @@ ROOT = Path(__file__).parents[2]
 WORST = 1.1
 
 
-@pytest.mark.parametrize("seed", [1, 13])
+@pytest.mark.parametrize("seed", [1, pytest.param(13, marks=pytest.mark.slow)])
 def test_a_file_wrong_in_all_its_bodies_is_left_where_the_log_says_little(
     seed: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -41,7 +41,9 @@ def test_a_file_wrong_in_its_bodies_is_no_balancer(monkeypatch: pytest.MonkeyPat
     sys.modules.pop("benchmarks", None)
 
 
-@pytest.mark.parametrize(("seed", "joint"), [(8024, 2), (12024, 4)])
+@pytest.mark.parametrize(
+    ("seed", "joint"), [(8024, 2), pytest.param(12024, 4, marks=pytest.mark.slow)]
+)
 def test_friction_that_bends_is_held_against_faster_motion(
     seed: int, joint: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -41,7 +41,9 @@ def log(joint: int, times: float) -> Log:
     return Log(read.time, read.q, tau, qd=read.qd, q_ref=read.q_ref)
 
 
-@pytest.mark.parametrize("joint", [1, 3, 5])
+@pytest.mark.parametrize(
+    "joint", [pytest.param(1, marks=pytest.mark.slow), pytest.param(3, marks=pytest.mark.slow), 5]
+)
 def test_a_spring_larger_than_all_that_its_joint_has_is_no_other_robot(joint: int) -> None:
     """One of joint 7 was told as the zero of joint 6, 90 degrees off; one of joint 5 as another
     robot."""

@@ -166,7 +166,7 @@ def test_a_placeholder_bends_no_bodies() -> None:
     assert found.given is robot
 
 
-@pytest.mark.parametrize("joint", [1, 3])
+@pytest.mark.parametrize("joint", [pytest.param(1, marks=pytest.mark.slow), 3])
 def test_one_joint_that_drags_keeps_the_friction_of_the_others(joint: int) -> None:
     """Its friction has changed, and has a name; that of the others is the file's."""
     joints = list(ROBOT.joints)
