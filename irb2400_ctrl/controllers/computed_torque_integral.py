@@ -52,8 +52,7 @@ def computed_torque_integral(
     Args:
         robot: the arm it knows; sample_time: period [s].
         bandwidth, damping: of the error, as in `computed_torque`.
-        integral_time: Ti [s]; default 0.1, longer where the arm gets too light for that or the
-            bandwidth is below 60.
+        integral_time: Ti [s]; default 0.1, longer for a light arm or a bandwidth below 60.
         deadband: angle error that is left alone at rest [rad].
         tables: as in `computed_torque`.
     """
