@@ -216,6 +216,9 @@ def main() -> None:
             continue
         ratios.append(rows["ratio"])
         print(f"{seed:3d} " + " ".join(f"{r:5.2f}" for r in rows["ratio"]) + f"   {case.name}")
+    if not ratios:
+        print(f"logs of all {refused} arms refused")
+        return
     every = np.concatenate(ratios)
     print(
         f"{len(every)} joints: geometric mean {np.exp(np.log(every).mean()):.3f}, worst "
