@@ -91,7 +91,8 @@ def adaptive(
     regressor = _regressor(robot)
     typical = _typical(robot, regressor)
     most = _most(robot, typical)
-    learned = partial(_learned, typical_inertia(robot))
+    J = typical_inertia(robot)
+    learned = partial(_learned, J)
 
     def law(v: Values) -> Values:
         error = v["q_ref"] - v["q"]
@@ -109,7 +110,7 @@ def adaptive(
         return {"tau": tau, "theta": theta, **steps, "heard": heard, **after}
 
     pd = pd_gains(robot, sample_time, bandwidth, damping)
-    gains = _gains(robot, typical, pd, adaptation_time)
+    gains = _gains(robot, pd, _rates(typical, J * np.maximum(pd[1].start, LEAST), adaptation_time))
     return assemble(
         "adaptive", "computed torque that learns load and dry friction", sample_time, law,
         states=(_theta(robot), *model.states),
@@ -148,24 +149,17 @@ def _theta(robot: Robot) -> Field:
     return Field("theta", PAYLOAD + robot.n, "kg, kg m, Nm", doc)
 
 
-def _gains(
-    robot: Robot,
-    typical: Array,
-    pd: tuple[Field, Field],
-    adaptation_time: float,
-) -> tuple[Field, ...]:
+def _gains(robot: Robot, pd: tuple[Field, Field], rate: Array) -> tuple[Field, ...]:
     """Those of the error, and how fast is learned beside them.
 
     Args:
         robot: the arm it knows.
-        typical: Y in a typical motion, shape (k, n, p).
         pd: Kp and Kd.
-        adaptation_time: [s].
+        rate: the diagonal of Gamma, shape (4 + n,).
     """
     kp, kd = pd
-    J = typical_inertia(robot)
-    rate = _rates(typical, J * np.maximum(kd.start, LEAST), adaptation_time)
-    limit = max(LEARNING * float(np.sqrt(kp.start).min()), LEAST)
+    omega = np.sqrt(kp.start)
+    limit = max(LEARNING * float(omega.min()), LEAST)
     return (
         kp,
         kd,
@@ -176,7 +170,7 @@ def _gains(
             "learning rates, the diagonal of Gamma",
             tuple(rate.tolist()),
         ),
-        gain(robot, "slope", "1/s", "weight of the angle error in s", np.sqrt(kp.start)),
+        gain(robot, "slope", "1/s", "weight of the angle error in s", omega),
         Field("learning_limit", 1, "1/s", "fastest learning of all together", (limit,), (LEAST,)),
     )
 

@@ -13,6 +13,7 @@ from irb2400_ctrl.codegen import Field
 from irb2400_ctrl.controllers.effect_tables import EffectTable, effect_tables
 from irb2400_ctrl.effects import Effect
 from irb2400_ctrl.effects.form import EffectForm
+from irb2400_ctrl.effects.memory import next_memory
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.model.friction import FrictionLaw
 from irb2400_ctrl.model.regressor import transport
@@ -61,6 +62,30 @@ class ArmNumbers:
         """`forces` with the present values of the parameters."""
         every = enumerate(self.robot.effects)
         return [self._form(place, given) for place, effect in every if _is_force(effect)]
+
+    def loaded(
+        self, tau: ca.SX, given: Given, s: ArmSignals, qd: ca.SX, step: float
+    ) -> tuple[ca.SX, list[ca.SX], list[ca.SX]]:
+        """A torque with that of `forces` on top, symbols of their memories, and these one sample
+        later.
+
+        Args:
+            tau: without them [Nm], shape (n,).
+            given: present values of the parameters.
+            s: of the arm.
+            qd: speed along which they remember [rad/s], shape (n,).
+            step: sample time [s].
+        """
+        along = replace(s, qd=qd)
+        old = []
+        new = []
+        for form in self.forms(given):
+            x = ca.SX.sym("memory", form.states)
+            tau += form.torque(s.with_state(x))
+            if form.states:
+                old.append(x)
+                new.append(next_memory(form.effect.state_rate(along.with_state(x)), x, step))
+        return tau, old, new
 
     def _form(self, place: int, given: Given) -> EffectForm:
         if place in self._effects:

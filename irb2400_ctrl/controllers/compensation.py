@@ -27,7 +27,6 @@ from irb2400_ctrl.controllers.arm_numbers import ArmNumbers, memory_fields
 from irb2400_ctrl.controllers.parts import Clock
 from irb2400_ctrl.controllers.stribeck import faded_bell
 from irb2400_ctrl.effects import Effect
-from irb2400_ctrl.effects.memory import next_memory
 from irb2400_ctrl.robot import Robot
 
 BREAKAWAY = 0.0045
@@ -79,22 +78,13 @@ class Compensation:
         given = {field.name: ca.SX.sym(field.name, field.size) for field in self.parameters}
         sign = qd_ref / ca.sqrt(qd_ref**2 + SIGN_WIDTH**2)
         s = replace(self._numbers.signals(given), sign=sign)
-        # speeds of effects with memory come from the reference too, for the same reason as the
-        # friction's
-        along = replace(s, qd=qd_ref)
         law = self._numbers.friction(given)
         dry = law.coulomb + faded_bell(slip, law.stribeck, law.rise, qd_ref, given["breakaway"])
         # one product with the speed, which a small processor reads once
         tau = s.load + (law.viscous + dry / ca.sqrt(qd_ref**2 + SIGN_WIDTH**2)) * qd_ref
-        old = [ca.SX.sym(field.name, field.size) for _, field in self.memories]
-        states = iter(old)
-        new = []
-        for form in self._numbers.forms(given):
-            x = next(states) if form.states else ca.SX(0, 1)
-            tau += form.torque(s.with_state(x))
-            if form.states:
-                rate = form.effect.state_rate(along.with_state(x))
-                new.append(next_memory(rate, x, self.sample_time))
+        # speeds of effects with memory come from the reference too, for the same reason as the
+        # friction's
+        tau, old, new = self._numbers.loaded(tau, given, s, qd_ref, self.sample_time)
         # the derivatives of the acceleration are not known to a controller; elastic joints count as
         # rigid here
         rest = ca.vertcat(s.qddd, s.qdddd)

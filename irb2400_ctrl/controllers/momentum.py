@@ -29,7 +29,6 @@ from irb2400_ctrl.controllers.parts import (
     gain,
     signals_in,
 )
-from irb2400_ctrl.effects.memory import next_memory
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.model.linear_solve import factorise
@@ -101,16 +100,7 @@ class Momentum:
         s = self.arm.signals(given)
         s = replace(s, sign=s.qd / ca.sqrt(s.qd**2 + SIGN_WIDTH**2))
         zero = ca.SX.zeros(self.arm.robot.n)
-        others = zero
-        old = [ca.SX.sym(field.name, field.size) for field in self._memories]
-        states = iter(old)
-        new = []
-        for form in self.arm.forms(given):
-            x = next(states) if form.states else ca.SX(0, 1)
-            others += form.torque(s.with_state(x))
-            if form.states:
-                rate = form.effect.state_rate(s.with_state(x))
-                new.append(next_memory(rate, x, self.sample_time))
+        others, old, new = self.arm.loaded(zero, given, s, s.qd, self.sample_time)
         unknown = (s.qdd, s.qddd, s.qdddd)
         added = _without(ca.jacobian(others, s.qdd), s.qd, *unknown)
         others = _without(others, *unknown)

@@ -15,6 +15,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import lru_cache
 
 import casadi as ca
 import numpy as np
@@ -54,6 +55,11 @@ weight -g, the sensitivity peaks least with these: by 2 sqrt(m g) / kv, of which
 be raised"""
 
 
+def _arm(robot: Robot) -> Model:
+    """As a controller takes it."""
+    return Model(rigid(robot))
+
+
 def typical_inertia(robot: Robot) -> NDArray[np.float64]:
     """Geometric mean between the extremes of 1 / (M^-1)_jj over the joint box, shape (n,) [kg m2].
 
@@ -68,7 +74,7 @@ def typical_inertia(robot: Robot) -> NDArray[np.float64]:
     q = rng.uniform(robot.q_min, robot.q_max, (256, robot.n))
     if robot.n > 4:
         q[0, 4] = 0.0  # the lightest pose of the wrist, which chance may miss
-    M = Model(rigid(robot)).mass_matrix(q)
+    M = _arm(robot).mass_matrix(q)
     least = float(np.linalg.eigvalsh(M).min())
     felt = 1.0 / np.einsum("kjj->kj", np.linalg.inv(M))
     if not felt.min() > 0:
@@ -106,7 +112,7 @@ def inertia_span(robot: Robot, scale: Array) -> InertiaSpan:
         robot: the arm.
         scale: K, above zero, shape (n,).
     """
-    model = Model(robot)
+    model = _arm(robot)
     root = np.sqrt(scale)
     some = drawn(robot)
 
@@ -156,7 +162,7 @@ def slowed(robot: Robot, scale: Array, most: float) -> Array:
         most: largest eigenvalue [unit of K / M].
     """
     scale = np.array(scale)
-    model = Model(robot)
+    model = _arm(robot)
     for _ in range(ROUNDS):
         span = inertia_span(robot, scale)
         excess = span.light * most
@@ -185,7 +191,7 @@ def heaviest(robot: Robot, scale: Array) -> Array:
 
 def largest_inertia(robot: Robot) -> Array:
     """M_jj of each joint, largest over postures [kg m2], shape (n,)."""
-    return np.asarray(np.einsum("kjj->kj", Model(robot).mass_matrix(drawn(robot))).max(axis=0))
+    return np.asarray(np.einsum("kjj->kj", _arm(robot).mass_matrix(drawn(robot))).max(axis=0))
 
 
 def fastest_crossover(sample_time: float) -> float:
@@ -204,11 +210,16 @@ def weight_slope(robot: Robot, q: Array) -> Array:
         robot: the arm, as it is mounted.
         q: postures [rad], shape (k, n).
     """
-    angles = ca.SX.sym("q", robot.n)
-    weight = Model(robot).function("gravity")(angles)
-    slope = ca.Function("slope", [angles], [ca.densify(ca.jacobian(weight, angles))])
-    found: Array = evaluate(slope, q, matrix=True)
+    found: Array = evaluate(_weight_slope(robot), q, matrix=True)
     return (found + found.transpose(0, 2, 1)) / 2
+
+
+@lru_cache(maxsize=16)
+def _weight_slope(robot: Robot) -> ca.Function:
+    """q -> dG/dq; the search for a posture asks for it hundreds of times."""
+    angles = ca.SX.sym("q", robot.n)
+    weight = _arm(robot).function("gravity")(angles)
+    return ca.Function("slope", [angles], [ca.densify(ca.jacobian(weight, angles))])
 
 
 def weight_share(robot: Robot, stiffness: Array) -> tuple[float, Array]:

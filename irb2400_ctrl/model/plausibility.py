@@ -43,8 +43,7 @@ NARROW_DEG = 7.0
 def plausibility(robot: Robot) -> list[str]:
     """What looks wrong, in the order of the file; empty when nothing does."""
     notes = _gravity(robot)
-    frames = [*(link.frame for link in robot.links[1:]), robot.flange]
-    reach = sum(float(np.linalg.norm(frame.matrix()[:3, 3])) for frame in frames)
+    reach = robot.reach
     most = min(DENSEST_KG_M2, (GYRATION * reach) ** 2) if reach > 0.0 else DENSEST_KG_M2
     for link in robot.links:
         length = float(np.linalg.norm(link.frame.matrix()[:3, 3]))
@@ -52,7 +51,7 @@ def plausibility(robot: Robot) -> list[str]:
             notes.append(f"{link.name}: its joint is {length:.4g} m further on; it looks like mm")
         notes += _body(link.name, link.body, most)
     notes += _masses(robot)
-    notes += _beside(robot, reach) or _weight(robot)
+    notes += _beside(robot) or _weight(robot)
     notes += _friction(robot)
     notes += _rotors(robot)
     if robot.tool is not None:
@@ -83,7 +82,7 @@ def _gravity(robot: Robot) -> list[str]:
     return []
 
 
-def _beside(robot: Robot, reach: float) -> list[str]:
+def _beside(robot: Robot) -> list[str]:
     """Several centres of mass far from the way between the axes of their links."""
     found = {}
     frames = [*(link.frame for link in robot.links[1:]), robot.flange]
@@ -93,7 +92,7 @@ def _beside(robot: Robot, reach: float) -> list[str]:
         length = float(end @ end)
         along = float(np.clip(com @ end / length, 0.0, 1.0)) if length else 0.0
         distance = float(np.linalg.norm(com - along * end))
-        if reach > 0.0 and link.body.mass_kg > 0.0 and BESIDE * reach < distance <= FAR_M:
+        if link.body.mass_kg > 0.0 and 0.0 < BESIDE * robot.reach < distance <= FAR_M:
             found[link.name] = f"{distance:.2g}"
     if len(found) < 2:
         return []

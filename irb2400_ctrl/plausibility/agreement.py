@@ -41,7 +41,7 @@ def speed_problem(log: Log) -> LogProblem | None:
         return None
     derived, recorded, moving, late, width = _paired(log, log.qd)
     # an angle in too large a unit hardly moves, but for its speed
-    moving = moving | (np.sqrt(np.mean(recorded**2, axis=0)) > LEAST_SPEED)
+    moving = moving | (rms(recorded) > LEAST_SPEED)
     # a low-pass of first order that makes a speed so late also takes so much of it away
     size = np.maximum(np.linalg.norm(derived, axis=0), 1e-12)
     quick = np.linalg.norm(derived[width:] - derived[:-width], axis=0) * log.rate / width / size
@@ -111,7 +111,7 @@ def _paired(log: Log, speed: Array) -> tuple[Array, Array, Mask, int, int]:
     qd = filled(speed, width + 1)
     mean = np.cumsum(np.vstack([np.zeros(log.n), 0.5 * (qd[1:] + qd[:-1])]), axis=0)
     recorded = (mean[width:] - mean[:-width]) / width
-    moving = np.sqrt(np.mean(derived**2, axis=0)) > LEAST_SPEED
+    moving = rms(derived) > LEAST_SPEED
     derived, recorded, late = _aligned(derived, recorded, moving, round(LAG * log.rate))
     return derived, recorded, moving, late, width
 

@@ -11,7 +11,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.arrays import Array, rms
 from irb2400_ctrl.measurement.log import Log
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.plausibility.evidence import Fit, Nominal
@@ -87,8 +87,8 @@ def silent_problem(robot: Robot, log: Log) -> LogProblem | None:
         return None
     q: Array = log.q[:: max(1, len(log.q) // MOST)]
     expected = Model(robot).inverse_dynamics(q, 0 * q, 0 * q, friction=False)
-    size = np.sqrt(np.mean(np.asarray(expected) ** 2, axis=0))
-    recorded = np.sqrt(np.mean(log.tau**2, axis=0)).max()
+    size = rms(np.asarray(expected))
+    recorded = rms(log.tau).max()
     dead = [int(j) + 1 for j in np.flatnonzero(silent & (size > EXPECTED * recorded))]
     if not dead:
         return None
@@ -112,7 +112,7 @@ def hold_no_friction(nominal: Nominal, rows: Rows) -> bool:
         nominal: the robot, of which the lengths count.
         rows: the slow part of the log.
     """
-    speed = np.sqrt(np.mean(rows.qd**2, axis=0))
+    speed = rms(rows.qd)
     moving = speed > MOVING
     if np.count_nonzero(moving) < FEWEST:
         return False

@@ -142,13 +142,22 @@ def test_the_command_refuses_twenty_milliseconds(tmp_path: Path) -> None:
     assert not list(tmp_path.iterdir())
 
 
+@pytest.mark.parametrize("robot", [ROBOT, UR10E], ids=["irb2400", "ur10e"])
 @pytest.mark.parametrize("name", ["computed_torque", "computed_torque_integral", "adaptive"])
-def test_a_bandwidth_that_nobody_states_suits_the_sample_time(name: str) -> None:
-    """At 5 ms 60 rad/s peaked at 17."""
-    poses = postures(UR10E)[-3:]
+def test_a_bandwidth_that_nobody_states_suits_the_sample_time(name: str, robot: irb.Robot) -> None:
+    poses = np.vstack([postures(robot)[:1], postures(robot)[-3:]])
     for sample_time in (0.001, 0.004, 0.008):
-        block = controller(name, UR10E, sample_time)
-        assert over_poses(UR10E, block, poses).coupled_peak < 2.7
+        block = controller(name, robot, sample_time)
+        assert over_poses(robot, block, poses).coupled_peak < 2.7
+
+
+@pytest.mark.parametrize(("sample_time", "peak"), [(0.004, 4.3), (0.005, 17.1)])
+def test_sixty_radians_a_second_are_too_many_for_a_slow_drive(
+    sample_time: float, peak: float
+) -> None:
+    """The default at every sample time."""
+    worst = over_poses(ROBOT, build(60.0, sample_time), postures(ROBOT)[:1])
+    assert worst.coupled_peak == pytest.approx(peak, rel=0.02)
 
 
 def test_the_command_remarks_on_what_a_drive_spoils(tmp_path: Path) -> None:

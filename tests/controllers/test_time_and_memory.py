@@ -47,6 +47,26 @@ def torque_at(block: Block, real: str, samples: int) -> float:
     return float(running.step(u)[0][JOINT - 1])
 
 
+def test_a_controller_remembers_along_the_reference_and_an_observer_along_the_motion() -> None:
+    """As friction does: at a turn the measured speed is noise."""
+    robot = ROBOT.with_effects(LIBRARY["hysteresis"].of(JOINT, amplitude_Nm=5.0, width_rad=0.01))
+    speed = np.eye(robot.n)[JOINT - 1]
+    given = {"q": START, "q_ref": START, "qd": -speed, "qd_ref": speed}
+    for block, side in (
+        (controller("computed_torque", robot), 1.0),
+        (momentum_observer(robot), -1),
+    ):
+        running = HostController(Package(block, "double"))
+        u = [given.get(field.name, np.zeros(field.size)) for field in block.inputs]
+        for _ in range(100):
+            running.step(np.concatenate(u))
+        sizes = [field.size for field in block.states]
+        names = np.repeat([field.name for field in block.states], sizes)
+        assert running.state[: len(names)][names == f"hysteresis_{JOINT}_0"] == pytest.approx(
+            side, abs=1e-3
+        )
+
+
 @pytest.mark.parametrize("sample_time", [1e-3, 1e-4, 1e-5])
 def test_the_clock_goes_on_in_single_precision(sample_time: float) -> None:
     """A sum of sample times stood still at 10 kHz after 34 minutes, and ran 2 % slow before."""

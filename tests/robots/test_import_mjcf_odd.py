@@ -10,6 +10,7 @@ import pytest
 import irb2400_ctrl as irb
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.robot.importing import import_robot
+from irb2400_ctrl.robot.importing.mjcf_orientation import turn
 
 BODY = '<inertial pos=".1 .02 .05" mass="3" diaginertia=".04 .05 .06"/>'
 ARM = f"""<mujoco><compiler angle="degree" eulerseq="XYZ"/>
@@ -226,3 +227,13 @@ def test_no_weight_compensated_is_none(tmp_path: Path, given: str, said: bool) -
     path.write_text(ARM.replace('name="b2"', f'name="b2" gravcomp="{given}"'))
     notes = import_robot(path).notes
     assert any("link b2: its weight acts on the motors" in note for note in notes) == said
+
+
+def test_quarter_turns_are_exact() -> None:
+    """A 6e-17 beside a zero is an arm of no family, and a term in its C code."""
+    for quarters in range(-4, 5):
+        R = turn(np.array([0.0, 0.0, 2.0]), quarters * np.pi / 2)
+        assert (R.round() == R).all()
+        assert not np.signbit(R[R == 0.0]).any()
+    slant = turn(np.array([1.0, 1.0, 0.0]), np.pi)
+    np.testing.assert_array_equal(slant.round(12), [[0, 1, 0], [1, 0, 0], [0, 0, -1]])

@@ -59,8 +59,7 @@ def with_outline(
         return robot
     shapes: list[list[Solid]] = [[] for _ in names]
     missing: dict[str, str] = {}
-    frames = [*(link.frame for link in robot.links[1:]), robot.flange]
-    reach = sum(float(np.linalg.norm(frame.matrix()[:3, 3])) for frame in frames)
+    reach = robot.reach
     for one in drawn:
         for shape in one.shapes:
             try:

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 
 import numpy as np
 
-from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.arrays import Array, rotations_about
 from irb2400_ctrl.errors import InputError
 
 Numbers = Callable[[str, int], Array]
@@ -72,10 +72,9 @@ def from_quaternion(q: Array) -> Array:
 
 def turn(axis: Array, angle: float) -> Array:
     """R about an axis by an angle [rad], quarter turns exact, shape (3, 3)."""
-    x, y, z = _unit(axis)
-    c, s = (round(v) if abs(v - round(v)) < 1e-12 else v for v in (np.cos(angle), np.sin(angle)))
-    K = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
-    return np.asarray(np.eye(3) + s * K + (1 - c) * K @ K)
+    R = rotations_about(_unit(axis), angle)
+    whole = R.round() + 0.0  # no zero below zero
+    return np.where(np.abs(R - whole) < 1e-12, whole, R)
 
 
 def _unit(axis: Array) -> Array:
