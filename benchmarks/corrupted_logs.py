@@ -3,6 +3,7 @@
     python benchmarks/corrupted_logs.py sound --count 300 [--seed S] [--other-arms]
     python benchmarks/corrupted_logs.py corrupted --count 10 [--seed S] [--diagnose]
     python benchmarks/corrupted_logs.py stranger --count 60 [--seed S]
+    python benchmarks/corrupted_logs.py over-time --count 20 [--seed S]
 
 Seeds are drawn anew unless given, and printed.
 """
@@ -121,10 +122,52 @@ def stranger(count: int, seed: int) -> None:
     print(f"seed {seed}: of {words.total()} logs of another robot: {told}")
 
 
+def over_time(count: int, seed: int) -> None:
+    """The torque of one drawn joint changes for a part of a log: of how many that is told, and
+    of how many sound logs."""
+    from other_arm_logs import other_arm_log
+    from sound_logs import sound_log
+
+    from irb2400_ctrl.plausibility.evidence import Nominal
+    from irb2400_ctrl.plausibility.over_time import disagreement
+    from irb2400_ctrl.plausibility.rows import rows_of
+
+    changes = {
+        "sound": lambda tau, late: tau,
+        "stuck in between": lambda tau, late: np.where(late, tau[np.argmax(late)], tau),
+        "lost in between": lambda tau, late: np.where(late, 0.0, tau),
+        "turned over from then on": lambda tau, late: np.where(late, -tau, tau),
+        "twice as large from then on": lambda tau, late: np.where(late, 2.0 * tau, tau),
+        "off by half its scatter": lambda tau, late: tau + 0.5 * np.std(tau) * late,
+        "0.2 s late from then on": lambda tau, late: np.where(late, np.interp(then, at, tau), tau),
+    }
+    told: Counter[str] = Counter()
+    for k in range(count):
+        drawn = (other_arm_log if k % 2 else sound_log)(seed + k)
+        rows = rows_of(drawn.log)
+        if rows is None:
+            continue
+        rng = np.random.default_rng([seed, k])
+        joint = int(rng.integers(drawn.robot.n))
+        at = rows.time
+        then = at - 0.2
+        start = at[0] + rng.uniform(0.3, 0.6) * np.ptp(at)
+        stop = start + rng.uniform(0.1, 0.3) * np.ptp(at)
+        for name, change in changes.items():
+            late = (at >= start) & (("between" not in name) | (at < stop))
+            tau = rows.tau.copy()
+            tau[:, joint] = change(tau[:, joint], late)
+            said = disagreement(Nominal(drawn.robot), rows.with_torque(tau))
+            told[name] += f"joint {joint + 1} does" in said or (name == "sound" and bool(said))
+    for name in changes:
+        print(f"{name:<28} {told[name]:3} of {count} told")
+    print(f"seed {seed}")
+
+
 def main() -> None:
     """Command line."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("what", choices=["sound", "corrupted", "stranger"])
+    parser.add_argument("what", choices=["sound", "corrupted", "stranger", "over-time"])
     parser.add_argument("--count", type=int, required=True)
     parser.add_argument("--seed", type=int, default=None)
     parser.add_argument("--diagnose", action="store_true", help="diagnose what is not refused")
@@ -136,6 +179,8 @@ def main() -> None:
         sound(args.count, seed, args.other_arms)
     elif args.what == "stranger":
         stranger(args.count, seed)
+    elif args.what == "over-time":
+        over_time(args.count, seed)
     else:
         corrupted(args.count, seed, args.diagnose)
 

@@ -237,30 +237,16 @@ class Nominal:
                 size, (n,).
             beside: as of `account`.
         """
-        nominal, Y = columns
         m, n = rows.tau.shape
-        size = rows.size
-        weight = np.sqrt(_independent(rows) / m) / (own * size)
-        dry = self.robot.friction[:, 1]
-        # a joint at rest is held by its dry friction: its torque may be off by so much
-        held = np.minimum(STILL, own * size / np.hypot(own * size, dry))
-        weight = weight * np.where(rows.still, held, 1.0) * ~rows.silent
-        k = Y.shape[2]
-        viscous = self.robot.friction[:, 2]
-        rotors = self.rotors
-        spread = self._drive_spreads(rows, size)
-        y = (rows.tau - nominal - dry * rows.turn - viscous * rows.qd) * weight
+        k = columns[1].shape[2]
         known = k + 4 * n
-        X = np.zeros((m, n, known + beside.shape[2]))
-        X[:, :, :k] = Y * weight[:, :, None]
-        X[:, :, known:] = beside * weight[:, :, None]
-        joints = np.arange(n)
-        signals = (rows.turn, rows.qd, rows.qdd, np.ones_like(rows.qd))
-        for part, signal in enumerate(signals):
-            X[:, joints, k + part * n + joints] = signal * spread[part] * weight
-        X = X.reshape(m * n, -1)
+        X, y, weight = self.weighted(rows, columns, own)
+        X = np.concatenate([X, beside * weight[:, :, None]], axis=2).reshape(m * n, -1)
         A = X.T @ X + np.eye(X.shape[1])
-        none_negative = -np.concatenate([dry, viscous, rotors]) / spread[:3].ravel()
+        dry, viscous = self.robot.friction[:, 1:3].T
+        none_negative = -np.concatenate([dry, viscous, self.rotors]) / (
+            self._drive_spreads(rows)[:3].ravel()
+        )
         least = np.concatenate(
             [self.least, none_negative, np.full(X.shape[1] - k - 3 * n, -np.inf)]
         )
@@ -271,9 +257,34 @@ class Nominal:
         whole = np.sum(carried * weight**2, axis=0)
         # of a joint without torque nothing can be left
         left = np.sqrt(np.sum(rest**2, axis=0) / np.where(whole > 0, whole, np.inf))
-        vague = 2.0 * _independent(rows) * float(np.sum(np.log(own / misfit)))
+        vague = 2.0 * independent(rows) * float(np.sum(np.log(own / misfit)))
         fit = Fit(price + float(np.linalg.slogdet(A)[1]) + vague, price, left)
         return Account(fit, rest, weight, z[known:])
+
+    def weighted(
+        self, rows: Rows, columns: tuple[Array, Array], own: Array
+    ) -> tuple[Array, Array, Array]:
+        """Slopes of all that may differ, per standard deviation (m, n, 10 n + 4 n), what the
+        nominal numbers leave (m, n), both weighted, and the weight (m, n) [1/Nm].
+
+        The weight is one over the misfit where each row tells something of its own.
+
+        Args:
+            rows, columns, own: as of `_accounted`.
+        """
+        nominal, Y = columns
+        m, n = rows.tau.shape
+        size = rows.size
+        weight = np.sqrt(independent(rows) / m) / (own * size)
+        dry, viscous = self.robot.friction[:, 1:3].T
+        # a joint at rest is held by its dry friction: its torque may be off by so much
+        held = np.minimum(STILL, own * size / np.hypot(own * size, dry))
+        weight = weight * np.where(rows.still, held, 1.0) * ~rows.silent
+        signals = np.stack([rows.turn, rows.qd, rows.qdd, np.ones_like(rows.qd)])
+        drives = (signals * self._drive_spreads(rows)[:, None])[..., None] * np.eye(n)
+        X = np.concatenate([Y, *drives], axis=2) * weight[:, :, None]
+        y = (rows.tau - nominal - dry * rows.turn - viscous * rows.qd) * weight
+        return X, y, weight
 
     def sharp_cost(
         self, rows: Rows, columns: tuple[Array, Array], misfits: tuple[float, ...] = MISFITS
@@ -284,7 +295,7 @@ class Nominal:
         may be far below a fifth of the torque; then a reading that leaves several times more is
         not this log's, though a crude model would allow it.
         """
-        count = rows.tau.shape[1] * _independent(rows)
+        count = rows.tau.shape[1] * independent(rows)
         costs = [
             self.explained(rows, columns, s).cost + 2.0 * count * np.log(s / MISFIT)
             for s in misfits
@@ -300,11 +311,11 @@ class Nominal:
                 found[effect.index] += effect.inertia_kgm2
         return found
 
-    def _drive_spreads(self, rows: Rows, size: Array) -> Array:
+    def _drive_spreads(self, rows: Rows) -> Array:
         """Standard deviations of Coulomb, viscous friction, rotor and offset, shape (4, n)."""
-        dry = self.robot.friction[:, 1]
-        viscous = self.robot.friction[:, 2]
+        dry, viscous = self.robot.friction[:, 1:3].T
         rotors = self.rotors
+        size = rows.size
         speed = np.sqrt(np.mean(rows.qd**2, axis=0)) + 1e-6
         push = np.sqrt(np.mean(rows.qdd**2, axis=0)) + 1e-6
         unknown = UNKNOWN_FRICTION * size
@@ -319,7 +330,7 @@ class Nominal:
         )
 
 
-def _independent(rows: Rows) -> float:
+def independent(rows: Rows) -> float:
     """Rows that each tell something."""
     return min(PER_SECOND * rows.seconds, MOST_ROWS)
 

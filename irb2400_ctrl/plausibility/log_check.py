@@ -150,10 +150,24 @@ def examined(robot: Robot | None, log: Log, *, by_torques: bool = True) -> Exami
     stands: tuple[str, ...] = ()
     if problem is None:
         stands = (*standing_remarks(log), *speed_remarks(even), *command_remarks(log))
+    if understood is not None and understood.over_time:
+        problem = _or_over_time(problem, understood.over_time)
+        stands = stands if problem else (understood.over_time, *stands)
     if understood is not None and understood.frictionless and _fits(problem):
         stands = (FRICTIONLESS, *stands)
     stands = (*plan_remarks(log), *stands)
     return Examined(problem, understood, (*told, *stands, *_perhaps(problem, understood)))
+
+
+def _or_over_time(problem: LogProblem | None, says: str) -> LogProblem | None:
+    """A log that is no robot's as a whole may be of this one in parts.
+
+    Args:
+        problem: of the log; says: which part of it does not go with the rest.
+    """
+    if problem is None or problem.kind != "not_this_robot":
+        return problem
+    return replace(problem, says=f"{problem.says}; or {says}")
 
 
 def _fits(problem: LogProblem | None) -> bool:

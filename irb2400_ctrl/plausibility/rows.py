@@ -36,7 +36,7 @@ class Rows:
     """Motion and torque of a log through one low-pass, decimated; shapes (m, n), SI.
 
     `turn` is the filtered direction of motion: what dry friction follows; `still` says where it is
-    not known.
+    not known; `time` is the log's, shape (m,) [s], `seconds` what of it was recorded.
     """
 
     q: Array
@@ -46,6 +46,7 @@ class Rows:
     still: Mask
     tau: Array
     seconds: float
+    time: Array
 
     @property
     def size(self) -> Array:
@@ -65,7 +66,7 @@ class Rows:
         q, qd, qdd, turn, tau = (
             part[::keep] for part in (self.q, self.qd, self.qdd, self.turn, self.tau)
         )
-        return Rows(q, qd, qdd, turn, self.still[::keep], tau, self.seconds)
+        return Rows(q, qd, qdd, turn, self.still[::keep], tau, self.seconds, self.time[::keep])
 
     def with_torque(self, tau: Array) -> Rows:
         """The same motion with other torques."""
@@ -86,6 +87,7 @@ class Rows:
             self.still[:, np.argmax(np.abs(B), axis=1)],
             self.tau @ reading.torques.T,
             self.seconds,
+            self.time,
         )
 
 
@@ -122,4 +124,5 @@ def rows_of(log: Log, delay: float = 0.0) -> Rows | None:
     tau = slow(even.tau)[place + late]
     slowest = np.maximum(CREEP, SLOW * np.sqrt(np.mean(qd**2, axis=0)))
     still = (np.abs(qd) < slowest) | (np.abs(turn) < 0.5)
-    return Rows(angles[place], qd[place], qdd[place], turn[place], still[place], tau, seconds)
+    q, qd, qdd, turn = (signal[place] for signal in (angles, qd, qdd, turn))
+    return Rows(q, qd, qdd, turn, still[place], tau, seconds, even.time[place])

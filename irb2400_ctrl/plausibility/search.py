@@ -25,6 +25,7 @@ from irb2400_ctrl.plausibility.criteria import (
 from irb2400_ctrl.plausibility.evidence import MISFITS, Fit, Nominal
 from irb2400_ctrl.plausibility.jumps import MOVES
 from irb2400_ctrl.plausibility.mounting import mounting_problem
+from irb2400_ctrl.plausibility.over_time import disagreement
 from irb2400_ctrl.plausibility.parts import best_part, hold_no_friction
 from irb2400_ctrl.plausibility.problem import LogProblem
 from irb2400_ctrl.plausibility.pushed import pushed
@@ -85,6 +86,7 @@ class Understanding:
             states; it was held against the robot without it.
         although: why it is the arm's as labelled, although the model does not explain it all.
         frictionless: whether the torques hold no friction, as those of a model.
+        over_time: the stretch as labelled that does not go with the rest, in words.
     """
 
     labelled: Fit
@@ -94,6 +96,7 @@ class Understanding:
     other_friction: tuple[int, ...] = ()
     although: str = ""
     frictionless: bool = False
+    over_time: str = ""
 
 
 def understand(robot: Robot, log: Log) -> Understanding | None:
@@ -103,7 +106,11 @@ def understand(robot: Robot, log: Log) -> Understanding | None:
         return None
     nominal = Nominal(robot)
     found = _beside_what_differs(nominal, log, rows)
-    return replace(found, frictionless=hold_no_friction(nominal, rows))
+    return replace(
+        found,
+        frictionless=hold_no_friction(nominal, rows),
+        over_time=disagreement(nominal, rows),
+    )
 
 
 def _beside_what_differs(nominal: Nominal, log: Log, rows: Rows) -> Understanding:

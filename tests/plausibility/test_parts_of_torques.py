@@ -101,7 +101,7 @@ def test_gravity_alone_is_asked_of_what_moves_and_has_torque(
     t = np.linspace(0.0, 6.0, 50)[:, None]
     q = np.sin(t) * [0.5, travel]
     tau = np.cos(t) * [100.0, torque]
-    rows = Rows(q, q, q, q, q > 9.0, tau, 6.0)
+    rows = Rows(q, q, q, q, q > 9.0, tau, 6.0, np.linspace(0.0, 6.0, len(q)))
     fits: list[bool] = []
 
     def explained(of: Rows, columns: object) -> Fit:
