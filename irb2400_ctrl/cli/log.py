@@ -126,7 +126,8 @@ def lines(check: LogCheck) -> list[str]:
             against = f"; not held against {check.robot}"
         elif check.robot is not None and not check.told:
             against = f"; nothing in it tells whether it is of {check.robot}"
-        found.append(f"sound: the log is what its columns say{against}")
+        but = "" if check.whole else ", but for the stretch that a note names"
+        found.append(f"sound: the log is what its columns say{against}{but}")
     else:
         assert check.problem is not None
         found.append(f"not understood ({check.problem.kind}): {check.problem.says}")

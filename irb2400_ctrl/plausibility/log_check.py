@@ -55,6 +55,7 @@ class LogCheck:
             differ is let differ, rms over rms, as labelled; None without a robot or where the log
             is too short.
         remarks: what the reader should know besides.
+        whole: whether all of it goes with the rest, as far as the model tells.
     """
 
     name: str
@@ -64,6 +65,7 @@ class LogCheck:
     made_by_angles: Array | None
     left: Array | None
     remarks: tuple[str, ...]
+    whole: bool = True
 
     @property
     def sound(self) -> bool:
@@ -253,6 +255,7 @@ def check_log(robot: Robot | None, log: Log) -> LogCheck:
             + list(found.remarkable)
             + (list(prepare(log).remarks) if usable and log.duration > SHORTEST else [])
         ),
+        whole=found.understood is None or not found.understood.over_time,
     )
 
 

@@ -56,6 +56,8 @@ def test_what_goes_on_to_the_end_has_one_edge() -> None:
     tau = one.log.tau.copy()
     tau[late:, 3] *= -1.0
     told = check_log(one.robot, replace(one.log, tau=tau))
+    assert told.sound
+    assert not told.whole
     (said,) = (r for r in told.remarks if "does not go with the rest of the log" in r)
     at = float(said.split(" s on the torque of joint 4")[0].removeprefix("from "))
     assert at == pytest.approx(one.log.time[late], abs=2.0 * one.log.duration / PIECES)
