@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from functools import partial
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -56,6 +57,8 @@ def simulate(
 
     from irb2400_ctrl.controllers import controller as make_controller
     from irb2400_ctrl.controllers import guarded as guard
+    from irb2400_ctrl.controllers.sampling import check_sampled_loop
+    from irb2400_ctrl.errors import InputError
     from irb2400_ctrl.report.pages.simulation_page import simulation_page
     from irb2400_ctrl.simulation import load_trajectory
     from irb2400_ctrl.simulation import simulate as run
@@ -65,6 +68,15 @@ def simulate(
     motion = load_trajectory(trajectory)
     other = None if plant is None else load_arm(plant)
     block = make_controller(controller, arm)
+    try:
+        remark = check_sampled_loop(
+            arm, partial(make_controller, controller, arm), block.sample_time
+        )
+    except InputError as error:
+        # a run that shows it is not refused
+        remark = str(error)
+    if remark:
+        print(f"irb2400: {remark}", file=sys.stderr)
     with step(f"simulating {controller}"):
         simulation = run(arm, motion, guard(block, arm) if guarded else block, plant=other)
         page = simulation_page(simulation, controller)
