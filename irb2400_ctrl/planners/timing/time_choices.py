@@ -62,7 +62,7 @@ def time_choices(
     Args:
         dynamics: the arm's torque along the path.
         orientation: of the tool along the path.
-        found: branches and tool rotations, best first.
+        found: branches and tool rotations, the most promising of each kind first.
         options: of the timing.
         progress: told what is done now.
 
@@ -133,7 +133,7 @@ def limit_rates(
 
     Args:
         dynamics: the arm's torque along the path.
-        ranked: choices that have a motion, fastest first.
+        ranked: choices that have a motion, best first.
         options: of the timing.
 
     Raises:

@@ -75,7 +75,7 @@ def time_rate_limited(
         path: the joint path.
         limits: with `torque_rate`, `jerk` or both.
         count: about how many cells to begin with; fewer for a motion of fewer rows.
-        feed: bound of x = sdot^2 in cells, see `retime`.
+        feed: bound of x = sdot^2 in cells, see `FeedBound`.
         sampling: how the motion will be read; what swings above a limit of torque, speed or feed
             between rows is held back, too.
         feed_ratios: speed of the TCP over the feed in what is read, see `feed.feed_ratios`.
