@@ -16,7 +16,6 @@ from irb2400_ctrl.arrays import Array, Integers
 from irb2400_ctrl.cell import Scene
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.planners.clearance import cutting_moves
-from irb2400_ctrl.planners.clearance.crowd import COMFORTABLE_CLEARANCE
 from irb2400_ctrl.planners.clearance.room import room
 from irb2400_ctrl.planners.redundancy.choice import Choice
 from irb2400_ctrl.planners.redundancy.choices import GRID, cutting_at, stations
@@ -166,6 +165,6 @@ def _clearance(
     at_feed = np.broadcast_to(cutting_at(orientation.curve, moves, u)[:, None], asked.shape)
     turned = np.repeat(orientation.external(u)[:, None], asked.shape[1], axis=1)
     every = np.concatenate([q, turned], axis=2)
-    free = room(scene, every[asked], at_feed[asked], COMFORTABLE_CLEARANCE)
+    free = room(scene, every[asked], at_feed[asked])
     found[asked] = part_of_comfort("clearance_mm", 1e3 * free)
     return found
