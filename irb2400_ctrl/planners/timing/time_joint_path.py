@@ -9,8 +9,9 @@ import numpy as np
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InfeasibleError
-from irb2400_ctrl.planners.enclosure.cells import Cells, divided, enclose, grid
+from irb2400_ctrl.planners.enclosure.cells import Cells, enclose, grid
 from irb2400_ctrl.planners.enclosure.path_dynamics import PathDynamics
+from irb2400_ctrl.planners.grids import divided
 from irb2400_ctrl.planners.joint_path import JointPath
 from irb2400_ctrl.planners.timing.motion_limits import MotionLimits
 from irb2400_ctrl.planners.timing.piecewise_constant_law import PiecewiseConstantLaw
