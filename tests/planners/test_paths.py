@@ -17,7 +17,6 @@ from irb2400_ctrl import load_robot
 from irb2400_ctrl.errors import InputError, UnreachableError
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.planners import MotionLimits, ToolPath, plan_path, read_path
-from irb2400_ctrl.planners.timing.feed_use import _corners
 from irb2400_ctrl.planners.toolpath import builders
 from irb2400_ctrl.planners.toolpath.task_curve import smooth_curve
 
@@ -345,13 +344,3 @@ def test_a_polygon_of_long_sides_is_no_sampled_curve(
         gap -= (gap @ way).clip(0, side)[:, None] * way
         far = np.minimum(far, np.linalg.norm(gap, axis=1))
     assert far.max() < 5.01e-5
-
-
-@pytest.mark.parametrize(("bend", "smooth"), [(0.28, True), (0.32, False)])
-def test_a_path_bends_gently_up_to_three_tenths_of_a_radian(bend: float, smooth: bool) -> None:
-    turn = bend * np.arange(8)
-    points = np.cumsum(0.005 * np.stack([np.cos(turn), np.sin(turn), 0 * turn], axis=1), axis=0)
-    curve = smooth_curve(builders.way_points(points), 5e-5)
-    passed = curve(np.searchsorted(curve.origin, np.arange(8), side="right").astype(float))[:, :3]
-    assert np.allclose(passed, points, atol=1e-9) == smooth
-    assert len(_corners(curve)) == (0 if smooth else 6)
