@@ -140,9 +140,9 @@ class _Search:
         """What has limits, on cells of the path."""
         return ConstrainedOutputs.of(cells, self.limits, self.dynamics.friction)
 
-    def ratios(self, law: RateLimitedLaw, halvings: int = HALVINGS) -> OutputRatios:
+    def ratios(self, law: RateLimitedLaw) -> OutputRatios:
         """A motion held against its limits."""
-        return law.sampled_ratios(self.path, self.limits, self.dynamics, halvings)
+        return law.sampled_ratios(self.path, self.limits, self.dynamics, HALVINGS)
 
     def as_read(self, law: RateLimitedLaw, ratios: OutputRatios) -> OutputRatios:
         """The same with torques, accelerations, speeds and feed of the rows, and of what is read
