@@ -61,7 +61,7 @@ def sampled_optimum(dynamics: PathDynamics, path: JointPath, count: int = 4000) 
     piece = path.piece((s[:-1] + s[1:]) / 2)
     bound = np.minimum(speed_bounds(enclose(dynamics, path, s), LIMITS.qd_max), 1e9)
     bound[[0, -1]] = 0.0
-    start = time_joint_path(path_dynamics(ROBOT), path, LIMITS, count=count)[0].law
+    start = time_joint_path(path_dynamics(ROBOT), path, LIMITS, count=count)[0]
     law = PiecewiseConstantLaw(s, 0.9 * np.interp(s, start.s, start.x))
     for number in range(ROUNDS):
         rows = [row for end in (0.02, 0.98) for row in _rows(torque, path, law, piece, end)]
@@ -119,11 +119,11 @@ def main(paths: int = 4) -> None:
             path = random_path(seed)
             fine = sampled_optimum(dynamics, path)
             timed = time_joint_path(dynamics, path, LIMITS)[0]
-            price.append(100 * (timed.law.duration / fine.duration - 1))
+            price.append(100 * (timed.duration / fine.duration - 1))
             reference = max(reference, worst(dynamics, path, fine, 0.0) - 1)
             certified = max(
                 certified,
-                *(worst(dynamics, path, timed.law, start) - 1 for start in (0.0, 0.3, 1e6)),
+                *(worst(dynamics, path, timed, start) - 1 for start in (0.0, 0.3, 1e6)),
             )
         span = f"{min(price):.2f} … {max(price):.2f} %"
         print(

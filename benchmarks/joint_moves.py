@@ -36,10 +36,10 @@ def durations(seed: int) -> tuple[float, float, float, float]:
     way = float(np.linalg.norm(ends[1] - ends[0]))
     line = JointPath.straight(np.linspace(0.0, way, 41), np.linspace(ends[0], ends[1], 41))
     limits = MotionLimits.of(robot)
-    jumping = time_joint_path(dynamics, line, limits)[0].law
-    jerk = time_rate_limited(dynamics, line, replace(limits, jerk=move.qddd_max)).law
+    jumping = time_joint_path(dynamics, line, limits)[0]
+    jerk = time_rate_limited(dynamics, line, replace(limits, jerk=move.qddd_max))
     rate = Sampling(250.0, "cubic").torque_rate * robot.tau_max
-    smooth = time_rate_limited(dynamics, line, replace(limits, torque_rate=rate)).law
+    smooth = time_rate_limited(dynamics, line, replace(limits, torque_rate=rate))
     return move.duration, jumping.duration, jerk.duration, smooth.duration
 
 

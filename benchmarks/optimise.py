@@ -213,7 +213,7 @@ def row(robot: Robot, W: Array) -> tuple[float, ...]:
     assert found.reference is not None
     certificate = found.reference.certificate
     _, cells = time_joint_path(dynamics, certificate.path, certificate.limits)
-    toppra = time_with_toppra(cells, MotionLimits.of(robot), robot.friction).law.duration
+    toppra = time_with_toppra(cells, MotionLimits.of(robot), robot.friction).duration
     # again, from the certificate alone
     checked = check(found.motion.certificate, dynamics.model, dynamics)
     fixed = found.reference.duration

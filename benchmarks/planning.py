@@ -67,9 +67,9 @@ def smooth_table(paths: int, references: int = 3) -> None:
         for seed in range(paths):
             path = random_path(seed)
             began = time.process_time()
-            timed = time_rate_limited(DYNAMICS, path, limits)
+            law = time_rate_limited(DYNAMICS, path, limits)
             seconds = time.process_time() - began
-            law = timed.law
+            jumping = time_joint_path(DYNAMICS, path, LIMITS)[0].duration
             t = np.append(np.arange(0, law.duration, 1e-4), law.duration)
             _, q, qd, qdd = law.motion(path, t)
             (tau,) = TORQUE.map(q, qd, qdd, np.zeros(1))
@@ -77,11 +77,9 @@ def smooth_table(paths: int, references: int = 3) -> None:
             change = np.abs(np.diff(bare + ROBOT.friction[:, 2] * qd, axis=0)) / np.diff(t)[:, None]
             torque = (np.abs(tau) / LIMITS.tau_max).max()
             seen = (change / limits.torque_rate).max()
-            rows.append(
-                (law.duration / timed.fastest.duration - 1, torque, seen, len(law.s) - 1, seconds)
-            )
+            rows.append((law.duration / jumping - 1, torque, seen, len(law.s) - 1, seconds))
             if seed < references and rate in (20, 10):
-                coarse = time_rate_limited(DYNAMICS, path, limits, count=100).law
+                coarse = time_rate_limited(DYNAMICS, path, limits, count=100)
                 try:
                     reference = reference_duration(DYNAMICS, path, limits, coarse, 1000)
                 except RuntimeError:
@@ -153,7 +151,7 @@ def joint_spline(path: ToolPath, plan: Plan) -> str:
     timed, _ = time_joint_path(DYNAMICS, spline, LIMITS)
     reached = DYNAMICS.model.tcp_pose(spline(s[::200]))[:, :3, 3]
     deviation = max(np.linalg.norm(tip - p, axis=1).min() for p in reached)
-    return f"{timed.law.duration:7.3f} s {1e3 * deviation:7.1f} mm"
+    return f"{timed.duration:7.3f} s {1e3 * deviation:7.1f} mm"
 
 
 def box(centre: Array) -> ToolPath:

@@ -117,7 +117,7 @@ class Race:
         cells = self.cells(path)
         self.coefficients.append(since(began))
         began = time.process_time()
-        law = time_path(cells, self.limits, self.robot.friction).law
+        law = time_path(cells, self.limits, self.robot.friction)
         return self.looked_at(path, law, since(began))
 
     def toppra_rows(self, s: Array, q: Array) -> Answer:
@@ -125,7 +125,7 @@ class Race:
         path = JointPath.through(s, q)
         cells = self.cells(path)
         began = time.process_time()
-        law = time_with_toppra(cells, self.limits, self.robot.friction, passes=self.passes).law
+        law = time_with_toppra(cells, self.limits, self.robot.friction, passes=self.passes)
         return self.looked_at(path, law, since(began))
 
     def toppra_defaults(self, s: Array, q: Array) -> Answer:

@@ -36,6 +36,11 @@ def true_stretches(mask: Mask) -> Integers:
     return np.flatnonzero(edges).reshape(-1, 2)
 
 
+def less_turns(angle: Array) -> Array:
+    """The same angles less whole turns, within half a turn of zero [rad]."""
+    return np.asarray(angle - 2 * np.pi * np.round(angle / (2 * np.pi)))
+
+
 def rotation_about(index: int, angle: float) -> Array:
     """The rotation about x, y or z (0, 1, 2) by an angle [rad], shape (3, 3)."""
     a = (index + 1) % 3

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
@@ -15,6 +16,7 @@ from irb2400_ctrl.wording import counted
 
 if TYPE_CHECKING:
     from irb2400_ctrl.robot import Robot
+    from irb2400_ctrl.robot.joint import Joint
 
 app = typer.Typer(
     help="show, check, import, write anew or export a robot",
@@ -25,6 +27,17 @@ app.command("import", short_help="a robot file from URDF, MJCF or a DH table")(r
 app.command("new", short_help="a commented template, to fill in")(robot_in.new)
 EXPORT_MARGIN = 1e-3
 """smallest second moment of a body over its largest, in an exported file [-]"""
+COLUMNS: tuple[tuple[str, int, Callable[[Joint], float | None]], ...] = (
+    ("speed [deg/s]", 0, lambda joint: joint.limits.speed_deg_s),
+    ("acceleration [deg/s2]", 0, lambda joint: joint.limits.acceleration_deg_s2),
+    ("torque [Nm]", 0, lambda joint: joint.limits.torque_Nm),
+    ("gear [-]", 2, lambda joint: joint.transmission.gear_ratio if joint.transmission else None),
+    ("static [Nm]", 1, lambda joint: joint.friction.static_Nm),
+    ("Coulomb [Nm]", 1, lambda joint: joint.friction.coulomb_Nm),
+    ("viscous [Nm s/rad]", 2, lambda joint: joint.friction.viscous_Nms_rad),
+    ("Stribeck [rad/s]", 4, lambda joint: joint.friction.stribeck_rad_s),
+)
+"""of the table of `robot show`: head, decimals, and the number, None where it is unknown"""
 RobotArgument = Annotated[
     str,
     typer.Argument(
@@ -45,19 +58,11 @@ def show(robot: RobotArgument = "irb2400") -> Summary:
     holds = f"{counted(arm.n, 'joint')}, {counted(len(arm.effects), 'effect')}"
     print(f"{arm.name}: {holds}. Source: {arm.source}")
     wide = max(10, *(len(joint.name) for joint in arm.joints))
-    print(
-        f"{'joint':<{wide}}   range [deg]    speed [deg/s]  torque [Nm]  static [Nm]  "
-        "Coulomb [Nm]  viscous [Nm s/rad]  Stribeck [rad/s]"
-    )
+    print(f"{'joint':<{wide}}   range [deg]    {'  '.join(head for head, _, _ in COLUMNS)}")
     for joint in arm.joints:
         low, high = joint.limits.range_deg
-        f = joint.friction
-        print(
-            f"{joint.name:<{wide}} {low:>6.0f} … {high:<6.0f} "
-            f"{_cell(joint.limits.speed_deg_s, 14, 0)}  {_cell(joint.limits.torque_Nm, 11, 0)}  "
-            f"{_cell(f.static_Nm, 11, 1)}  {_cell(f.coulomb_Nm, 12, 1)}  "
-            f"{_cell(f.viscous_Nms_rad, 18, 2)}  {_cell(f.stribeck_rad_s, 16, 4)}"
-        )
+        cells = [_cell(of(joint), len(head), digits) for head, digits, of in COLUMNS]
+        print(f"{joint.name:<{wide}} {low:>6.0f} … {high:<6.0f} {'  '.join(cells)}")
     bodies = [(link.name, link.body) for link in arm.links]
     if arm.tool is not None:
         bodies.append((f"tool ({arm.tool.name})", arm.tool.body))

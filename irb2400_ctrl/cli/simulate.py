@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import sys
+from functools import partial
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -21,6 +22,12 @@ from irb2400_ctrl.cli.options import (
 )
 from irb2400_ctrl.cli.progress import step
 from irb2400_ctrl.cli.summary import Summary, answers, writes
+
+if TYPE_CHECKING:
+    from irb2400_ctrl.robot import Robot
+
+SAMPLE_TIME = 0.001
+"""of the controller [s]"""
 
 
 @answers
@@ -64,7 +71,8 @@ def simulate(
     arm = load_arm(robot)
     motion = load_trajectory(trajectory)
     other = None if plant is None else load_arm(plant)
-    block = make_controller(controller, arm)
+    block = make_controller(controller, arm, SAMPLE_TIME)
+    _say_unstable(controller, arm)
     with step(f"simulating {controller}"):
         simulation = run(arm, motion, guard(block, arm) if guarded else block, plant=other)
         page = simulation_page(simulation, controller)
@@ -78,6 +86,21 @@ def simulate(
     written = [out / name for name in ("log.csv", "simulation.json", "report.html")]
     print(f"written: {', '.join(map(str, written))}")
     return Summary(summary, written)
+
+
+def _say_unstable(controller: str, arm: Robot) -> None:
+    """What `codegen` says of the loop of a controller and its own arm; a run shows it, and is not
+    refused."""
+    from irb2400_ctrl.controllers import controller as make_controller
+    from irb2400_ctrl.controllers.sampling import check_sampled_loop
+    from irb2400_ctrl.errors import InputError
+
+    try:
+        remark = check_sampled_loop(arm, partial(make_controller, controller, arm), SAMPLE_TIME)
+    except InputError as error:
+        remark = str(error)
+    if remark:
+        print(f"irb2400: {remark}", file=sys.stderr)
 
 
 def _lines(controller: str, summary: dict[str, Any]) -> list[str]:

@@ -46,15 +46,24 @@ def controller(name: str, robot: Robot, sample_time: float = 0.001, **design: An
     check_masses(robot)
     if name not in CONTROLLERS:
         raise InputError(f"no controller {name!r}; expected one of {', '.join(CONTROLLERS)}")
-    build = CONTROLLERS[name]
-    known = [
-        key for key in inspect.signature(build).parameters if key not in {"robot", "sample_time"}
-    ]
+    known = _wishes(name)
     unknown = sorted(set(design) - set(known))
+    if "tables" in unknown:
+        have = ", ".join(other for other in CONTROLLERS if "tables" in _wishes(other))
+        raise InputError(
+            f"{name} has no tables: parameters for payload, friction and effects (--tables); "
+            f"expected one of {have}, or no tables"
+        )
     if unknown:
         raise InputError(
             f"{name} has no design parameter {', '.join(unknown)}; expected some of "
             f"{', '.join(known)}"
         )
-    block = build(robot, sample_time, **design)
+    block = CONTROLLERS[name](robot, sample_time, **design)
     return replace(block, origin=origin_of(robot, name, design))
+
+
+def _wishes(name: str) -> list[str]:
+    """Design parameters of a controller."""
+    parameters = inspect.signature(CONTROLLERS[name]).parameters
+    return [key for key in parameters if key not in {"robot", "sample_time"}]

@@ -22,7 +22,7 @@ from scipy.signal import oaconvolve
 from irb2400_ctrl.arrays import Array, Mask
 
 QUIET_FROM = 15.0
-"""[Hz] nothing stands above it in a channel that was filtered at `HIGHEST`"""
+"""[Hz] nothing stands above it in a channel that was filtered at the highest of `CUTOFFS`"""
 QUIET_TO = 45.0
 """[Hz] above it slow logs are interpolated"""
 ROOM = 1.3

@@ -164,11 +164,7 @@ def axis_bounds(
         lengths: columns of rails.
     """
     h = np.diff(places.knots)[:, None]
-    value, slope, bend, third = places.coefficients[:, :, n:]
-    b1 = value + slope * h / 3
-    b2 = value + 2 * slope * h / 3 + bend * h**2 / 3
-    b3 = value + slope * h + bend * h**2 + third * h**3
-    low, high = bernstein.hull(np.stack([value, b1, b2, b3], axis=1))
+    low, high = bernstein.hull(bernstein.from_powers(places.coefficients[:, :, n:], h))
     found = []
     for j in range(places.n - n):
         limit = (float(limits.qd_max[n + j]), float(limits.tau_max[n + j]))

@@ -14,6 +14,7 @@ from irb2400_ctrl.errors import InfeasibleError, InputError
 from irb2400_ctrl.given import numbers, positive
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.planners.joint_box import can_hold, inside_box, outside_box
+from irb2400_ctrl.planners.timing.motion_limits import MotionLimits
 from irb2400_ctrl.robot import Robot
 from irb2400_ctrl.trajectory import Trajectory
 from irb2400_ctrl.trajectory.trajectory import RATE
@@ -121,7 +122,7 @@ def joint_move(
         can_hold(model, name, q)
     _within_speed(robot, speed)
     if qdd_max is None:
-        stated = _limits_of_file(robot)
+        stated = MotionLimits.of(robot).qdd_max
     else:
         stated = _vector("qdd_max", qdd_max, robot.n, positive=True)
     known = np.isfinite(stated)
@@ -161,12 +162,6 @@ def _within_speed(robot: Robot, speed: Array) -> None:
             f"qd_start: axis {axis + 1} moves at {np.degrees(speed[axis]):.1f} deg/s, "
             f"expected at most {np.degrees(robot.qd_max[axis]):.1f}"
         )
-
-
-def _limits_of_file(robot: Robot) -> Array:
-    """Accelerations that the robot file states [rad/s2], infinite where it states none, (n,)."""
-    values = [joint.limits.acceleration_deg_s2 for joint in robot.joints]
-    return np.array([np.inf if value is None else np.radians(value) for value in values])
 
 
 def _accelerations(model: Model, start: Array, target: Array, stated: Array) -> Array:

@@ -10,14 +10,14 @@ from typing import Any
 
 import numpy as np
 
-from irb2400_ctrl.arrays import one_thread
+from irb2400_ctrl.arrays import Array, one_thread
 from irb2400_ctrl.errors import InputError, UnreachableError
 from irb2400_ctrl.files import write_json
 from irb2400_ctrl.planners.linking.clearance_plane import ClearancePlane
 from irb2400_ctrl.planners.linking.link_operations import link_operations
 from irb2400_ctrl.planners.linking.link_options import LinkOptions
 from irb2400_ctrl.planners.linking.operation_runs import operation_runs, unwound_runs
-from irb2400_ctrl.planners.linking.part_in_base import path_in_base, placed_path
+from irb2400_ctrl.planners.linking.part_in_base import frame_of, path_in_base, placed_path
 from irb2400_ctrl.planners.linking.program_motion import ProgramMotion
 from irb2400_ctrl.planners.linking.run import Run
 from irb2400_ctrl.planners.plan import Plan
@@ -36,6 +36,8 @@ class PlannedOperation:
     """An operation and its plans, or why there are none."""
 
     operation: Operation
+    options: dict[str, Any]
+    """of `plan_path`, those that are asked for it alone"""
     runs: tuple[Run, ...] = ()
     """parts that are followed without a stop, one unless axes have to be unwound"""
     refused: str = ""
@@ -44,6 +46,11 @@ class PlannedOperation:
     def plan(self) -> Plan | None:
         """The plan of an operation that is followed in one go."""
         return self.runs[0].plan if len(self.runs) == 1 else None
+
+    @property
+    def frame(self) -> Array | None:
+        """The work frame that its path is stated in, shape (4, 4)."""
+        return frame_of(self.options)
 
     @property
     def planned(self) -> bool:
@@ -169,9 +176,9 @@ def plan_program(
         arm = robot if arm_of is None else arm_of(operation)
         try:
             runs = operation_runs(arm, operation, plane, links, found)
-            done.append(PlannedOperation(operation, runs))
+            done.append(PlannedOperation(operation, found, runs))
         except InputError as error:
-            done.append(PlannedOperation(operation, (), str(error)))
+            done.append(PlannedOperation(operation, found, (), str(error)))
     motion = None
     refused = ""
     if all(o.planned for o in done):
@@ -208,7 +215,7 @@ def plan_unwound(
     runs = unwound_runs(robot, operation, plane, links, found, because)
     rate = float(options.get("rate", RATE))
     motion = link_operations(program.name, runs, plane, links, rate)
-    return ProgramPlan(program, (PlannedOperation(operation, runs),), motion)
+    return ProgramPlan(program, (PlannedOperation(operation, found, runs),), motion)
 
 
 def clearance_plane(

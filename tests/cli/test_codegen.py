@@ -44,6 +44,10 @@ def test_other_wishes_and_wrong_ones(tmp_path: Path) -> None:
         codegen(tmp_path, "--controller", "pid", "--design", "speed")
     with pytest.raises(InputError, match="no design parameter colour"):
         codegen(tmp_path, "--controller", "pid", "--design", "colour=3")
+    with pytest.raises(
+        InputError, match=r"no tables: .*effects.* one of feedforward_pid, computed"
+    ):
+        codegen(tmp_path, "--controller", "pid", "--tables")
     with pytest.raises(InputError, match="option of its own, --sample-time"):
         codegen(tmp_path, "--controller", "pid", "--design", "sample_time=0.002")
 

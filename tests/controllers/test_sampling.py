@@ -22,8 +22,11 @@ from irb2400_ctrl.controllers.design import over_poses
 from irb2400_ctrl.controllers.linear import LinearLoop
 from irb2400_ctrl.controllers.sampling import _Loops, check_sampled_loop, postures
 from irb2400_ctrl.controllers.timing import Timing
+from irb2400_ctrl.effects import LIBRARY
 from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.planners import joint_move
 from irb2400_ctrl.robot.changed import changed
+from irb2400_ctrl.trajectory import save_trajectory
 
 ROBOT = irb.load_robot("irb2400")
 UR10E = irb.load_robot("ur10e")
@@ -82,6 +85,24 @@ def test_what_is_refused_runs_away(bandwidth: float, sample_time: float) -> None
 def test_what_an_ideal_drive_can_do_is_remarked_on(bandwidth: float, sample_time: float) -> None:
     assert not grows(bandwidth, sample_time)
     assert "a sample late" in check_sampled_loop(ROBOT, partial(build, bandwidth), sample_time)
+
+
+@pytest.mark.parametrize("joint", [1, 3])
+def test_simulate_says_what_codegen_says_of_an_unstable_loop(joint: int, tmp_path: Path) -> None:
+    """A rigid law on an elastic joint swung up, and nothing said why."""
+    soft = ROBOT.with_effects(
+        LIBRARY["elastic_joint"].of(joint, stiffness_Nm_rad=1e5),
+        LIBRARY["rotor_inertia"].of(joint, inertia_kgm2=2.0),
+    )
+    irb.robot.save_robot(soft, tmp_path / "soft.toml")
+    move = joint_move(irb.Model(soft), np.zeros(6), np.full(6, 0.1)).trajectory
+    save_trajectory(move, tmp_path / "t.csv")
+    asked = ("--robot", tmp_path / "soft.toml", "--controller", "computed_torque", "--out")
+    simulated = irb2400("simulate", tmp_path / "t.csv", *asked, tmp_path / "s")
+    delivered = irb2400("codegen", *asked, tmp_path / "c")
+    assert simulated.returncode == 0
+    assert "an error doubles" in simulated.stderr
+    assert delivered.stderr.startswith(simulated.stderr.splitlines()[0])
 
 
 @pytest.mark.parametrize("name", ["gravity_pd", "computed_torque"])

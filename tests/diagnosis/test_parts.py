@@ -20,7 +20,6 @@ from irb2400_ctrl.diagnosis.estimation.evidence import Problem, Score
 from irb2400_ctrl.diagnosis.preparation.base_prior import BasePrior
 from irb2400_ctrl.diagnosis.preparation.metrics import errors, noise_floor
 from irb2400_ctrl.diagnosis.preparation.noise import (
-    MOST_COLOUR,
     ORDER,
     SLOW,
     Noise,
@@ -193,7 +192,7 @@ def test_noise_is_not_believed_to_be_slower_than_allowed(coefficients: tuple[flo
     turn = np.exp(-1j * np.outer(np.linspace(0, np.pi, 100_001), [1, 2]))
     spectrum = 1 / np.abs(1 - turn @ found) ** 2
     span = spectrum.max() / np.exp(np.log(spectrum).mean())
-    assert span == pytest.approx(MOST_COLOUR, rel=1e-3)
+    assert span == pytest.approx(4.0, rel=1e-3)
     # drawn towards white
     share = found[0] / coefficients[0]
     assert found[1] == pytest.approx(share**2 * coefficients[1])

@@ -12,8 +12,10 @@ from scipy.signal import lfilter
 
 from irb2400_ctrl.measurement import Log
 from irb2400_ctrl.measurement.joined_log import prepare_together
+from irb2400_ctrl.measurement.motion.commanded import used_angles
 from irb2400_ctrl.measurement.motion.recorded_speed import polled
 from irb2400_ctrl.measurement.prepared_log import UNEVEN, PreparedLog, prepare
+from irb2400_ctrl.measurement.uniform import resample, smoothed
 from irb2400_ctrl.wording import numbered
 
 STEP = 0.001
@@ -133,6 +135,17 @@ def test_a_commanded_motion_stays() -> None:
     assert motion.instrumented
     assert not motion.by_speed
     assert not motion.from_measured
+
+
+@pytest.mark.parametrize(("share", "commanded"), [(1.3, True), (1.7, False)])
+def test_of_a_slow_log_half_as_much_again_as_noise_is_motion(share: float, commanded: bool) -> None:
+    """What the smoothing leaves of the noise on samples at 50 Hz is no lag of a servo."""
+    time = np.arange(0.0, 20.0, 0.02)
+    noise = 1e-4 * np.random.default_rng(5).standard_normal((len(time), 1))
+    grid = resample(Log(time, noise, noise))
+    left = smoothed(grid.q, grid.step).std() * np.sqrt(2.0 * (share**2 - 1.0))
+    log = Log(time, noise + left * np.sin(3.0 * time[:, None]), noise, q_ref=0.0 * noise)
+    assert used_angles(resample(log), log)[1] == commanded
 
 
 def test_it_is_said_why_the_motion_is_the_measured_one() -> None:

@@ -17,7 +17,8 @@ from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.planners import MotionLimits
 from irb2400_ctrl.planners.enclosure import bernstein, parabolas
 from irb2400_ctrl.planners.enclosure import cells as enclosed
-from irb2400_ctrl.planners.enclosure.cells import divided, with_reversals
+from irb2400_ctrl.planners.enclosure.cells import with_reversals
+from irb2400_ctrl.planners.grids import divided
 from irb2400_ctrl.planners.joint_path import JointPath
 from irb2400_ctrl.planners.timing.piecewise_constant_law import PiecewiseConstantLaw
 

@@ -121,7 +121,7 @@ def worst_ratio(dynamics: PathDynamics, path: JointPath, law: TimeLaw) -> float:
 @cache
 def timed_bare() -> TimeLaw:
     """The path of the cases, timed for the arm without effects."""
-    return time_joint_path(path_dynamics(ROBOT), random_path(1), LIMITS)[0].law
+    return time_joint_path(path_dynamics(ROBOT), random_path(1), LIMITS)[0]
 
 
 STEEP = ("viscous power 0.5", "viscous power 2.5", "less viscous", "warm-up", "load friction")
@@ -155,7 +155,7 @@ def test_bounds_hold_of_friction_that_remembers_the_way_back() -> None:
     W[:, :3] = 0.3 * np.array([0.0, 1.0, -1.0, 0.5, 0.0])[:, None] * [1.0, 0.7, -0.5]
     W[:, 4] = 0.5
     path = JointPath.through(np.linspace(0.0, 1.0, 5), W)
-    law = time_joint_path(dynamics, path, LIMITS)[0].law
+    law = time_joint_path(dynamics, path, LIMITS)[0]
     cells = enclose(dynamics, path, law.s)
     above, below = torque_bounds(cells, law.u, law.x, dynamics.friction)
     time = np.arange(0.0, law.duration, 1e-4)
@@ -174,10 +174,10 @@ def test_no_violation_whenever_the_motion_starts(name: str) -> None:
     assert dynamics.irregular == ()
     path = random_path(1)
     timed, _ = time_joint_path(dynamics, path, LIMITS)
-    checked = check(Certificate(path, timed.law, LIMITS), dynamics.model)
-    assert worst_ratio(dynamics, path, timed.law) <= checked.torque_ratio
+    checked = check(Certificate(path, timed, LIMITS), dynamics.model)
+    assert worst_ratio(dynamics, path, timed) <= checked.torque_ratio
     assert 0.999 < checked.torque_ratio <= 1 + 1e-9
-    faster = PiecewiseConstantLaw(timed.law.s.copy(), 1.002 * timed.law.x)
+    faster = PiecewiseConstantLaw(timed.s.copy(), 1.002 * timed.x)
     assert not check(Certificate(path, faster, LIMITS), dynamics.model).holds()
     # a motion timed without the effects is refused by the check with them
     if name not in {"less viscous"}:
@@ -198,8 +198,7 @@ def test_the_bound_costs_little_against_a_fine_grid(name: str, most: float) -> N
     dynamics = path_dynamics(ROBOT.with_effects(*CASES[name]))
     path = random_path(2)
     durations = [
-        time_joint_path(dynamics, path, LIMITS, count=count)[0].law.duration
-        for count in (1000, 4000)
+        time_joint_path(dynamics, path, LIMITS, count=count)[0].duration for count in (1000, 4000)
     ]
     assert durations[0] <= (1 + most) * durations[1]
 
@@ -257,7 +256,7 @@ def test_a_force_without_an_end_is_always_there() -> None:
     )
     assert [list(end) for end in sometimes.factors] == [[0.0], [1.0]]
     path = random_path(0)
-    durations = [time_joint_path(d, path, LIMITS)[0].law.duration for d in (always, sometimes)]
+    durations = [time_joint_path(d, path, LIMITS)[0].duration for d in (always, sometimes)]
     assert durations[0] < durations[1]
 
 

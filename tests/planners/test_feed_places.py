@@ -7,6 +7,7 @@ import pytest
 
 from irb2400_ctrl import Model, load_robot
 from irb2400_ctrl.planners import builders, plan_path
+from irb2400_ctrl.planners.timing.feed_use import _corners
 from irb2400_ctrl.planners.toolpath.task_curve import smooth_curve
 
 ROBOT = load_robot("irb2400")
@@ -39,3 +40,13 @@ def test_segments_meet_at_way_points_where_the_feed_changes() -> None:
     # without a change nothing is added
     even = smooth_curve(builders.way_points(points, feed=1e-3), 5e-5)
     assert len(even.control) == len(points) + 2
+
+
+@pytest.mark.parametrize(("bend", "smooth"), [(0.28, True), (0.32, False)])
+def test_a_path_bends_gently_up_to_three_tenths_of_a_radian(bend: float, smooth: bool) -> None:
+    turn = bend * np.arange(8)
+    points = np.cumsum(0.005 * np.stack([np.cos(turn), np.sin(turn), 0 * turn], axis=1), axis=0)
+    curve = smooth_curve(builders.way_points(points), 5e-5)
+    passed = curve(np.searchsorted(curve.origin, np.arange(8), side="right").astype(float))[:, :3]
+    assert np.allclose(passed, points, atol=1e-9) == smooth
+    assert len(_corners(curve)) == (0 if smooth else 6)

@@ -35,7 +35,7 @@ def corner() -> Plan:
 
 def test_stretches_with_less_than_half_a_millimetre_between_them_are_one() -> None:
     way = 1e-4 * np.array([0, 1, 2, 6, 7, 13, 14])
-    assert _joined([(0, 2), (3, 4), (5, 6)], way) == [(0, 4), (5, 6)]
+    assert _joined(np.array([(0, 2), (3, 4), (5, 6)]), way) == [(0, 4), (5, 6)]
 
 
 def test_the_share_at_the_feed_is_that_of_the_motion(corner: Plan) -> None:

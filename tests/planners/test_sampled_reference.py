@@ -36,7 +36,7 @@ def test_no_bound_of_the_file_lies_below_the_truth(seed: int, tmp_path: Path) ->
 @pytest.mark.parametrize("seed", range(3))
 def test_bounds_hold_and_are_sharp_for_a_law_that_jumps(seed: int, interpolation: Any) -> None:
     path = random_path(seed)
-    law = time_joint_path(DYNAMICS, path, LIMITS)[0].law
+    law = time_joint_path(DYNAMICS, path, LIMITS)[0]
     reference = SampledReference.of(law, path, 250.0, interpolation).as_written()
     bounds = reference.bounds(DYNAMICS, LIMITS)
     time = np.arange(0.0, reference.rows.time[-1], 2e-5)

@@ -55,7 +55,7 @@ def searched(
     nothing: Any = None
     sampling: Any = SimpleNamespace(rate=rate)
     search = _Search(nothing, nothing, nothing, nothing, sampling, nothing)
-    monkeypatch.setattr(module, "solve", lambda *a, **k: SimpleNamespace(z=None, iterations=1))
+    monkeypatch.setattr(module, "solve", lambda *a, **k: None)
     monkeypatch.setattr(module, "_largest", lambda ratio: ratio)
     monkeypatch.setattr(module, "_refuse", lambda *a: None)
     monkeypatch.setattr(_Search, "program", lambda self, s, rough: problem)
@@ -113,7 +113,7 @@ def test_what_the_slowed_motion_shows_is_held_back(
     left = list(shown)
     asked: list[float] = []
     found = searched(monkeypatch, left, asked, rate=1e4)
-    assert found.iterations == solved
+    assert found.rounds == solved
     assert asked == held
     assert found.worst == worst
     assert found.law.duration == pytest.approx(10.0 * (1 + slower), rel=1e-4)
@@ -125,4 +125,4 @@ def test_less_than_a_row_is_not_worth_another_solution(monkeypatch: pytest.Monke
         # 13 ms are lost
         left = [1.0003, 1.0015, 0.9999, 0.9999]
         found = searched(monkeypatch, left, [], rate)
-        assert found.iterations == solved
+        assert found.rounds == solved

@@ -19,10 +19,8 @@ from irb2400_ctrl.planners.joint_path import JointPath
 from irb2400_ctrl.planners.timing.rate_limited.cell_motion import refined_grid
 from irb2400_ctrl.planners.timing.rate_limited.output_bounds import output_ratios
 from irb2400_ctrl.planners.timing.rate_limited.rate_limited_law import RateLimitedLaw
-from irb2400_ctrl.planners.timing.rate_limited.time_rate_limited import (
-    RateLimitedTiming,
-    time_rate_limited,
-)
+from irb2400_ctrl.planners.timing.rate_limited.time_rate_limited import time_rate_limited
+from irb2400_ctrl.planners.timing.time_joint_path import time_joint_path
 
 ROBOT = load_robot("irb2400")
 DYNAMICS = path_dynamics(ROBOT)
@@ -58,7 +56,7 @@ def seen(path: JointPath, law: RateLimitedLaw, rate: float = 1e4) -> dict[str, n
 
 
 @pytest.fixture(scope="module")
-def timed() -> RateLimitedTiming:
+def timed() -> RateLimitedLaw:
     return time_rate_limited(DYNAMICS, random_path(0), rated(20))
 
 
@@ -70,7 +68,7 @@ def test_no_violation_at_10_khz_on_random_paths(seeds: range) -> None:
     for seed in seeds:
         path = random_path(seed)
         limits = rated((5, 10, 20, 50)[seed % 4])
-        law = time_rate_limited(DYNAMICS, path, limits, count=250).law
+        law = time_rate_limited(DYNAMICS, path, limits, count=250)
         peaks = seen(path, law)
         assert (peaks["torque"] <= limits.tau_max).all()
         assert (peaks["speed"] <= limits.qd_max).all()
@@ -80,10 +78,10 @@ def test_no_violation_at_10_khz_on_random_paths(seeds: range) -> None:
         assert check(Certificate(path, law, limits), DYNAMICS.model, DYNAMICS).holds()
 
 
-def test_rest_to_rest_without_a_jump(timed: RateLimitedTiming) -> None:
+def test_rest_to_rest_without_a_jump(timed: RateLimitedLaw) -> None:
     path = random_path(0)
     limits = rated(20)
-    peaks = seen(path, timed.law)
+    peaks = seen(path, timed)
     held = DYNAMICS.model.gravity(path(np.array([0.0, 1.0])))
     for end, place in ((0, 0), (-1, 1)):
         assert np.abs(peaks["qdd"][end]).max() < 1e-9
@@ -91,8 +89,8 @@ def test_rest_to_rest_without_a_jump(timed: RateLimitedTiming) -> None:
     # and not a microsecond later either: the torque leaves from there at its rate
     assert limits.torque_rate is not None
     for time in (1e-9, 1e-6, 1e-5):
-        for t in (time, timed.law.duration - time):
-            _, q, qd, qdd = timed.law.motion(path, np.array([t]))
+        for t in (time, timed.duration - time):
+            _, q, qd, qdd = timed.motion(path, np.array([t]))
             start = held[0] if t < 1 else held[1]
             now = (
                 DYNAMICS.model.inverse_dynamics(q, qd, qdd)
@@ -102,12 +100,12 @@ def test_rest_to_rest_without_a_jump(timed: RateLimitedTiming) -> None:
             assert (np.abs(now[0] - start) <= limits.torque_rate * time * (1 + 1e-6) + 1e-8).all()
 
 
-def test_certificate_is_checked_without_the_solver(timed: RateLimitedTiming) -> None:
+def test_certificate_is_checked_without_the_solver(timed: RateLimitedLaw) -> None:
     path = random_path(0)
     limits = rated(20)
-    checked = check(Certificate(path, timed.law, limits), DYNAMICS.model)
+    checked = check(Certificate(path, timed, limits), DYNAMICS.model)
     assert checked.holds()
-    peaks = seen(path, timed.law)
+    peaks = seen(path, timed)
     assert (peaks["torque"] / limits.tau_max).max() <= checked.torque_ratio
     assert limits.torque_rate is not None
     ratio = (peaks["torque rate"] / limits.torque_rate).max()
@@ -115,13 +113,13 @@ def test_certificate_is_checked_without_the_solver(timed: RateLimitedTiming) -> 
     # the bounds are sharp, and a faster motion is caught by both
     assert checked.torque_ratio > 0.999
     assert checked.torque_rate_ratio > 0.999
-    faster = check(Certificate(path, timed.law.slowed(0.998), limits), DYNAMICS.model)
+    faster = check(Certificate(path, timed.slowed(0.998), limits), DYNAMICS.model)
     assert faster.torque_rate_ratio > 1
     assert faster.torque_ratio > 1
 
 
-def test_numbers_that_are_no_motion_are_caught(timed: RateLimitedTiming) -> None:
-    law = timed.law
+def test_numbers_that_are_no_motion_are_caught(timed: RateLimitedLaw) -> None:
+    law = timed
     path = random_path(0)
     x = law.x.copy()
     x[300] *= 0.999
@@ -141,8 +139,8 @@ def test_numbers_that_are_no_motion_are_caught(timed: RateLimitedTiming) -> None
     ).holds()
 
 
-def test_law_is_its_own_integral(timed: RateLimitedTiming) -> None:
-    law = timed.law
+def test_law_is_its_own_integral(timed: RateLimitedLaw) -> None:
+    law = timed
     time = np.linspace(0.0, law.duration, 400001)
     s, v, u = law.at(time)
     dt = time[1]
@@ -165,7 +163,7 @@ def test_law_is_its_own_integral(timed: RateLimitedTiming) -> None:
 def test_duration_against_a_reference_of_another_kind(seed: int, rate: float) -> None:
     path = random_path(seed)
     limits = rated(rate)
-    law = time_rate_limited(DYNAMICS, path, limits, count=100).law
+    law = time_rate_limited(DYNAMICS, path, limits, count=100)
     reference = reference_duration(DYNAMICS, path, limits, law, 1000)
     assert law.duration < 1.005 * reference
     assert law.duration > 0.999 * reference
@@ -174,19 +172,17 @@ def test_duration_against_a_reference_of_another_kind(seed: int, rate: float) ->
 def test_the_price_falls_with_the_rate_and_with_the_cells() -> None:
     path = random_path(2)
     found = [time_rate_limited(DYNAMICS, path, rated(r), count=250) for r in (5, 20, 200)]
-    durations = [f.law.duration for f in found]
+    durations = [law.duration for law in found]
     assert (np.diff(durations) < 0).all()
-    assert durations[-1] < 1.004 * found[-1].fastest.duration
-    counts = [
-        time_rate_limited(DYNAMICS, path, rated(20), count=n).law.duration for n in (100, 1000)
-    ]
+    assert durations[-1] < 1.004 * time_joint_path(DYNAMICS, path, LIMITS)[0].duration
+    counts = [time_rate_limited(DYNAMICS, path, rated(20), count=n).duration for n in (100, 1000)]
     assert counts[0] < 1.005 * counts[1]
 
 
 def test_jerk_and_acceleration() -> None:
     path = random_path(4)
     limits = replace(LIMITS, jerk=np.full(6, 80.0), qdd_max=np.full(6, 6.0))
-    law = time_rate_limited(DYNAMICS, path, limits).law
+    law = time_rate_limited(DYNAMICS, path, limits)
     peaks = seen(path, law)
     assert peaks["jerk"].max() <= 80.0 * (1 + 1e-6)
     assert peaks["jerk"].max() > 79.5
@@ -201,12 +197,12 @@ def test_both_rates_on_a_part_of_the_joints() -> None:
     path = random_path(1)
     jerk = np.array([np.inf, 60.0, np.inf, np.inf, np.inf, 200.0])
     limits = replace(rated(30), jerk=jerk)
-    law = time_rate_limited(DYNAMICS, path, limits).law
+    law = time_rate_limited(DYNAMICS, path, limits)
     peaks = seen(path, law)
     assert (peaks["jerk"] <= jerk * (1 + 1e-6)).all()
     assert limits.torque_rate is not None
     assert (peaks["torque rate"] <= limits.torque_rate * (1 + 1e-7)).all()
-    assert law.duration > time_rate_limited(DYNAMICS, path, rated(30)).law.duration
+    assert law.duration > time_rate_limited(DYNAMICS, path, rated(30)).duration
 
 
 def test_points_of_a_grid_that_rounding_parts_count_once() -> None:
@@ -222,21 +218,19 @@ def test_points_of_a_grid_that_rounding_parts_count_once() -> None:
     assert np.abs(found - exact).max() < 1e-12 * path.length
 
 
-def test_cells_that_are_cut_are_bounded_as_they_lie(timed: RateLimitedTiming) -> None:
+def test_cells_that_are_cut_are_bounded_as_they_lie(timed: RateLimitedLaw) -> None:
     path = random_path(0)
     # half the rate it was made for: much is above
-    found = timed.law.ratios(path, rated(10), DYNAMICS, 2)
-    assert len(found.s) > 1.2 * len(timed.law.s)
-    whole = output_ratios(timed.law.on_cells(found.s), path, rated(10), DYNAMICS)
+    found = timed.ratios(path, rated(10), DYNAMICS, 2)
+    assert len(found.s) > 1.2 * len(timed.s)
+    whole = output_ratios(timed.on_cells(found.s), path, rated(10), DYNAMICS)
     for part in ("value", "rate", "speed"):
         np.testing.assert_allclose(getattr(found, part), getattr(whole, part), 1e-6)
 
 
 def test_feed_is_kept() -> None:
     path = random_path(5)
-    law = time_rate_limited(
-        DYNAMICS, path, rated(20), feed=lambda s: np.full(len(s) - 1, 0.15**2)
-    ).law
+    law = time_rate_limited(DYNAMICS, path, rated(20), feed=lambda s: np.full(len(s) - 1, 0.15**2))
     time = np.linspace(0.0, law.duration, 20001)
     speed = law.at(time)[1].max()
     assert 0.1499 < speed <= 0.15

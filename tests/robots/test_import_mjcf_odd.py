@@ -229,6 +229,32 @@ def test_no_weight_compensated_is_none(tmp_path: Path, given: str, said: bool) -
     assert any("link b2: its weight acts on the motors" in note for note in notes) == said
 
 
+@pytest.mark.parametrize(
+    ("turned", "exact", "said"),
+    [
+        ('quat="0.707 0.707 0 0"', True, ""),
+        ('quat="0.70711 0.707107 0 0"', True, "is read as exact"),
+        ('euler="1.5708 0 0"', True, "is read as exact"),
+        ('axisangle="1 0 0 1.5708"', True, "is read as exact"),
+        ('euler="1.57 0 0"', False, "turned as it stands"),
+        ('quat="0.7071 0.7079 0 0"', False, "turned as it stands"),
+        ('quat="1 0.0005 0 0"', False, ""),
+    ],
+)
+def test_right_angles_of_few_digits_are_exact_or_said(
+    tmp_path: Path, turned: str, exact: bool, said: str
+) -> None:
+    """An arm that is skew by 4e-6 has no family, and planning took three times as long."""
+    path = tmp_path / "arm.xml"
+    text = ARM.replace("degree", "radian").replace("0 1 .3", "0 0 1")
+    path.write_text(text.replace('name="b2"', f'name="b2" {turned}'))
+    found = import_robot(path)
+    R = found.robot.links[1].frame.matrix()[:3, :3]
+    assert (R.round() == R).all() == exact
+    notes = [note for note in found.notes if "link b2: " in note]
+    assert [said in note for note in notes] == [True] * bool(said)
+
+
 def test_quarter_turns_are_exact() -> None:
     """A 6e-17 beside a zero is an arm of no family, and a term in its C code."""
     for quarters in range(-4, 5):

@@ -14,6 +14,7 @@ from irb2400_ctrl.cli.main import app
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.model.plausibility import plausibility
 from irb2400_ctrl.robot import robot_names
+from irb2400_ctrl.robot.changed import changed
 from irb2400_ctrl.robot.importing import import_robot
 
 RUN = CliRunner()
@@ -36,6 +37,22 @@ def test_import_writes_a_robot_that_loads_and_says_what_is_unknown(tmp_path: Pat
     assert robot.tool.body.mass_kg == 5.0
     assert RUN.invoke(app, ["robot", "show", str(out)]).exit_code == 0
     assert RUN.invoke(app, ["robot", "check", str(out)]).exit_code == 0
+
+
+def test_show_has_acceleration_and_gear_of_each_joint(tmp_path: Path) -> None:
+    out = tmp_path / "known.toml"
+    known = changed(
+        irb.load_robot("ur10e"),
+        ["joints.1.limits.acceleration_deg_s2=345",
+         "joints.2.transmission={gear_ratio=-101.5, source='data sheet'}"],
+    )  # fmt: skip
+    irb.robot.save_robot(known, out)
+    head, *rows = RUN.invoke(app, ["robot", "show", str(out)]).output.splitlines()[1:8]
+    first, second, *others = (row.split("…")[1].split() for row in rows)
+    assert head.split("]  ")[2:5] == ["acceleration [deg/s2", "torque [Nm", "gear [-"]
+    assert first[1:5] == ["120", "345", "330", "?"]
+    assert second[1:5] == ["120", "?", "330", "-101.50"]
+    assert all(row[2] == row[4] == "?" for row in others)
 
 
 def test_the_template_loads_as_it_is(tmp_path: Path) -> None:

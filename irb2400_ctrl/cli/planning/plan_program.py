@@ -105,17 +105,16 @@ def plan_parts(job: Job, because: UnreachableError) -> Summary:
 def _write(found: ProgramPlan, job: Job) -> list[Path]:
     """All files. The RAPID modules come before the reports, whose figures take memory of their
     own."""
-    from irb2400_ctrl.planners.program_plan import for_operation
-
     out = job.out
     written = found.write(out)
     give_back_freed()
     written += _modules(found, job)
     for done in found.operations:
-        options = for_operation(job.arm, done.operation, job.options)
         title = f"Plan of operation {done.operation.number}, {done.operation.name}"
         for folder, run in done.folders():
-            written.append(out / folder / report(run.plan, out / folder, job.arm, title, options))
+            written.append(
+                out / folder / report(run.plan, out / folder, job.arm, title, done.options)
+            )
     if found.motion is not None:
         title = f"Plan of {found.program.name}"
         written.append(out / report(found.motion, out, job.arm, title, job.options))
@@ -125,32 +124,24 @@ def _write(found: ProgramPlan, job: Job) -> list[Path]:
 def _modules(found: ProgramPlan, job: Job) -> list[Path]:
     """One RAPID module of the whole, or one of each plan where nothing links them; none where none
     is asked for."""
-    from irb2400_ctrl.planners.linking.part_in_base import frame_of
-    from irb2400_ctrl.planners.program_plan import for_operation
-
     out = job.out
     if job.rapid is None:
         return []
     if found.motion is not None:
-        frame = _common_frame(found, job)
+        frame = _common_frame(found)
         return [out / name for name in write_motion_module(found.motion, job.rapid, frame, out)]
     written = []
     for done in found.operations:
-        frame = frame_of(for_operation(job.arm, done.operation, job.options))
         whole = done.operation if len(done.runs) == 1 else None
         for folder, run in done.folders():
-            names = write_plan_module(run.plan, whole, job.rapid, frame, out / folder)
+            names = write_plan_module(run.plan, whole, job.rapid, done.frame, out / folder)
             written += [out / folder / name for name in names]
     return written
 
 
-def _common_frame(found: ProgramPlan, job: Job) -> Array | None:
+def _common_frame(found: ProgramPlan) -> Array | None:
     """The work frame of all operations; None where a positioner turns the part between them."""
-    from irb2400_ctrl.planners.linking.part_in_base import frame_of
-    from irb2400_ctrl.planners.program_plan import for_operation
-
-    asked = [for_operation(job.arm, done.operation, job.options) for done in found.operations]
-    frames = [frame_of(options) for options in asked]
+    frames = [done.frame for done in found.operations]
     first = frames[0]
     alike = first is not None and all(f is not None and (f == first).all() for f in frames)
     return first if alike else None

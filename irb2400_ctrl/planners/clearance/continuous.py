@@ -19,6 +19,7 @@ import numpy.typing as npt
 from irb2400_ctrl.arrays import Array, Integers
 from irb2400_ctrl.cell import Scene
 from irb2400_ctrl.planners.clearance.clearance import Clearance
+from irb2400_ctrl.planners.grids import cut
 from irb2400_ctrl.planners.joint_path import JointPath
 
 CONTACT = 5e-5
@@ -147,7 +148,7 @@ def _step(
     with np.errstate(divide="ignore", invalid="ignore"):
         needed = np.where(wide, moved / np.maximum(distance - goal, 1e-12), 0.0)[again]
     parts = np.clip(np.ceil(needed.max(axis=1, initial=0.0)), 2, _MOST_PARTS).astype(int)
-    return _cut(ends[:, again], parts), np.repeat(wide[again], parts, axis=0)
+    return cut(ends[:, again], parts), np.repeat(wide[again], parts, axis=0)
 
 
 def _distances(search: _Search, ends: Array, open_: npt.NDArray[np.bool_], moved: Array) -> Array:
@@ -199,16 +200,3 @@ def _rate(joints: JointPath, ends: Array) -> Array:
     slope = joints.on_piece(first, piece, 1)
     rise = joints.on_piece(first, piece, 2) * (last - first)[:, None]
     return np.stack([slope, slope + rise / 2, joints.on_piece(last, piece, 1)], axis=1)
-
-
-def _cut(cells: Array, parts: npt.NDArray[np.int64]) -> Array:
-    """Start and end (2, m) of cells cut into equal parts."""
-    number = np.arange(parts.sum()) - np.repeat(np.cumsum(parts) - parts, parts)
-    share = np.repeat(1.0 / parts, parts)
-    start = np.repeat(cells[0], parts)
-    last = np.repeat(cells[1], parts)
-    low = start + number * share * (last - start)
-    high = np.where(
-        number + 1 == np.repeat(parts, parts), last, start + (number + 1) * share * (last - start)
-    )
-    return np.stack([low, high])

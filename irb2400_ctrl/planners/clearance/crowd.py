@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import partial
 
 import numpy as np
 import numpy.typing as npt
@@ -11,10 +10,8 @@ import numpy.typing as npt
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.cell import Scene
 from irb2400_ctrl.errors import CollisionError
-from irb2400_ctrl.planners.clearance.room import room
+from irb2400_ctrl.planners.clearance.room import COMFORTABLE_CLEARANCE, room
 
-COMFORTABLE_CLEARANCE = 0.02
-"""distance beyond which more of it is worth nothing [m]"""
 PRICE = 0.05
 """cost of a configuration that nearly touches something, beside the time of the motion [s]"""
 
@@ -58,12 +55,11 @@ class Crowd:
         at_feed = np.broadcast_to(cutting[:, None, None], shape)
         some = usable.any(axis=2)
         one = np.take_along_axis(q, usable.argmax(axis=2)[:, :, None, None], axis=2)[:, :, 0]
-        look = partial(room, scene, most=COMFORTABLE_CLEARANCE)
         held = np.zeros(shape[:2])
-        held[some] = look(one[some], at_feed[some, 0], pairs=scene.carried)
+        held[some] = room(scene, one[some], at_feed[some, 0], pairs=scene.carried)
         left = usable & (held > 0)[:, :, None]
         found = np.zeros(shape)
-        others = look(q[left], at_feed[left], pairs=~scene.carried)
+        others = room(scene, q[left], at_feed[left], pairs=~scene.carried)
         found[left] = np.minimum(np.broadcast_to(held[:, :, None], shape)[left], others)
         return cls(scene, cutting, found, external)
 

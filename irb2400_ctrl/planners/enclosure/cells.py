@@ -11,7 +11,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from irb2400_ctrl.arrays import Array, Mask
 from irb2400_ctrl.model.friction import FrictionLaw
@@ -19,6 +18,7 @@ from irb2400_ctrl.planners.enclosure import bernstein
 from irb2400_ctrl.planners.enclosure.effect_bounds import Added, Range, memories
 from irb2400_ctrl.planners.enclosure.parabolas import parabolas
 from irb2400_ctrl.planners.enclosure.path_dynamics import OUTPUTS, PathDynamics
+from irb2400_ctrl.planners.grids import divided
 from irb2400_ctrl.planners.joint_path import JointMotion, JointPath
 
 # largest turn of a joint within a cell [rad]
@@ -79,14 +79,6 @@ def grid(path: JointPath, count: int) -> Array:
     by_length = np.ceil(np.diff(path.knots) / (path.length / count) - 1e-9)
     parts = np.maximum(1, np.maximum(by_length, by_turn)).astype(int)
     return with_reversals(path, divided(path.knots, parts))
-
-
-def divided(s: Array, parts: npt.NDArray[np.int64]) -> Array:
-    """A grid with every cell cut into its number of equal parts."""
-    first = np.repeat(s[:-1], parts)
-    width = np.repeat(np.diff(s) / parts, parts)
-    number = np.arange(parts.sum()) - np.repeat(np.cumsum(parts) - parts, parts)
-    return np.append(first + number * width, s[-1])
 
 
 def with_reversals(path: JointMotion, s: Array) -> Array:

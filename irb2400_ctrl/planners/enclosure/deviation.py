@@ -21,6 +21,7 @@ from irb2400_ctrl.planners.enclosure.complex_disc import disc_function
 from irb2400_ctrl.planners.enclosure.parabolas import parabolas
 from irb2400_ctrl.planners.enclosure.polygon_sides import Sides, kept_points, to_segment
 from irb2400_ctrl.planners.enclosure.tcp_path import Enclosed, TcpPath
+from irb2400_ctrl.planners.grids import cut
 from irb2400_ctrl.planners.redundancy.follow import Followed
 from irb2400_ctrl.planners.redundancy.singularity_margins import NAMES
 from irb2400_ctrl.planners.toolpath.orientation import Orientation
@@ -79,7 +80,7 @@ def deviation(
         .clip(1, 10_000)
         .astype(int)
     )
-    cells = _cut(ends, parts)
+    cells = cut(ends, parts)
     largest = np.zeros(2)
     sampled = np.zeros(2)
     for last in range(_ROUNDS):
@@ -91,19 +92,8 @@ def deviation(
         largest = np.maximum(largest, above[:, ~wide].max(axis=1, initial=0.0))
         if not wide.any():
             break
-        cells = _cut(cells[:, wide], np.full(int(wide.sum()), 4))
+        cells = cut(cells[:, wide], np.full(int(wide.sum()), 4))
     return Deviation(float(largest[0]), float(largest[1]), _corners(tcp, orientation, place, u))
-
-
-def _cut(cells: Array, parts: Integers) -> Array:
-    """Start and end (2, m) of cells cut into equal parts."""
-    number = np.arange(parts.sum()) - np.repeat(np.cumsum(parts) - parts, parts)
-    start = np.repeat(cells[0], parts)
-    width = np.repeat((cells[1] - cells[0]) / parts, parts)
-    whole = np.repeat(cells[1], parts)
-    # the last part ends exactly where the cell does
-    ends = np.where(number + 1 == np.repeat(parts, parts), whole, start + (number + 1) * width)
-    return np.stack([start + number * width, ends])
 
 
 def _bounds(tcp: TcpPath, orientation: Orientation, u: Array, cells: Array) -> tuple[Array, Array]:

@@ -4,7 +4,7 @@ sddot.
 With q = q(s), qd = q' sqrt(x), qdd = q'' x + q' u the rigid-body torque and every effect that is at
 most quadratic in the speeds and linear in the accelerations have this form exactly (a = M q', b = M
 q'' + C(q, q') q', c = G). The dry friction of eq. 55 stands apart, because its sign and Stribeck
-curve need their own treatment; so do effects of other forms (`effect_forms`, `added_torque`).
+curve need their own treatment; so do effects of other forms (`effect_forms`, `effect_bounds`).
 
 A path may move further axes that carry the part (`cell/external_axes.py`). Their columns follow
 those of the arm; for them "torque" is the acceleration e'' x + e' u [rad/s2], which has a limit as
@@ -104,7 +104,7 @@ class PathDynamics:
     @property
     def symbolic(self) -> ca.Function:
         """(q, q', q'') -> a, b, e and c for motion backwards, at rest, forwards; then what
-        `added_torque` needs."""
+        `effect_bounds` needs."""
         return self._built[0]
 
     @property

@@ -32,6 +32,7 @@ from irb2400_ctrl.codegen import CompiledFunction, compile_function
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.planners.enclosure import bernstein
+from irb2400_ctrl.planners.grids import divided
 from irb2400_ctrl.planners.joint_path import JointPath
 
 _MISS = np.sqrt(3) / 216
@@ -165,9 +166,7 @@ class TcpPath:
         parts = np.maximum(1, np.ceil(turned / _TURN)).astype(int)
         piece = np.repeat(np.arange(len(parts)), parts)
         h = np.repeat(np.diff(knots) / parts, parts)
-        start = (
-            knots[piece] + (np.arange(len(piece)) - np.repeat(np.cumsum(parts) - parts, parts)) * h
-        )
+        start = divided(knots, parts)[:-1]
         at = (start[:, None] + h[:, None] * (1 + _GAUSS) / 2).ravel()
         rate = self.velocity(at, np.repeat(piece, len(_GAUSS)))
         way = np.linalg.norm(rate, axis=1).reshape(len(h), -1) @ (_WEIGHT / 2) * h

@@ -113,7 +113,7 @@ def plan_joints(
 
 def _timed(dynamics: PathDynamics, task: TaskPath, timing: TimingOptions) -> TimeLaw:
     """The fastest law, with the limits of torque rate and jerk where there are any."""
-    first = fastest(dynamics, task, timing).law
+    first = fastest(dynamics, task, timing)
     if not timing.limits.smooth:
         return first
     try:

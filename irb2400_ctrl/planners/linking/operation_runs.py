@@ -288,18 +288,8 @@ def _cut(part: Part, orientation: Orientation, u: Array, places: tuple[int, ...]
 
 
 def _slice(part: Part, first: int, last: int) -> Part:
-    path = part.path
     kept = slice(first, last)
-    return Part(
-        ToolPath(
-            path.position[kept],
-            None if path.axis is None else path.axis[kept],
-            None if path.rotation is None else path.rotation[kept],
-            path.feed[kept],
-            path.name,
-        ),
-        part.points[kept],
-    )
+    return Part(part.path.part(kept), part.points[kept])
 
 
 def _inserted(part: Part, number: int, at: tuple[Array, Array, Array | None]) -> Part:

@@ -171,12 +171,9 @@ def waiting(run: Run, tolerance: float) -> tuple[Run, ...]:
 def _part(run: Run, path: ToolPath, first: int, last: int, q: Array, tolerance: float) -> Run:
     """Between two way-points of a run, from the configuration q (n,) [rad]."""
     rows = slice(first, last + 1)
-    rotation = path.rotation
-    assert rotation is not None
-    piece = ToolPath(path.position[rows], None, rotation[rows], path.feed[rows], path.name)
     plan = plan_ways(
         run.arm,
-        piece,
+        path.part(rows),
         lambda model, orientation, scene: [known_way(model, orientation, q, "first", scene)],
         replace(run.options, tolerance=tolerance),
         replace(run.timing, cells=_CELLS),

@@ -16,8 +16,7 @@ import numpy as np
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.cell import Scene
 from irb2400_ctrl.model import Model
-from irb2400_ctrl.planners.clearance.crowd import COMFORTABLE_CLEARANCE
-from irb2400_ctrl.planners.clearance.room import room
+from irb2400_ctrl.planners.clearance.room import COMFORTABLE_CLEARANCE, room
 from irb2400_ctrl.planners.placement.constant_ways import Ways, constant_ways
 from irb2400_ctrl.planners.placement.task import Task
 from irb2400_ctrl.planners.redundancy.choice import CLEARANCE_WORTH
@@ -199,7 +198,7 @@ def _room(task: Task, scene: Scene | None, q: Array) -> float:
     """Beside what is to be kept, at most the comfortable one [m]; without a scene all of it."""
     if scene is None:
         return COMFORTABLE_CLEARANCE
-    return float(room(scene, q, task.cutting, COMFORTABLE_CLEARANCE).min())
+    return float(room(scene, q, task.cutting).min())
 
 
 def _joints(ladder: Ladder, way: LadderWay) -> Array:

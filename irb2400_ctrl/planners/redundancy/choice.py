@@ -14,7 +14,7 @@ from irb2400_ctrl.errors import CollisionError, UnreachableError
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.planners.clearance import Clearance, continuous_clearance
 from irb2400_ctrl.planners.clearance.continuous import CONTACT
-from irb2400_ctrl.planners.clearance.crowd import COMFORTABLE_CLEARANCE
+from irb2400_ctrl.planners.clearance.room import COMFORTABLE_CLEARANCE
 from irb2400_ctrl.planners.redundancy.cutting_load import CuttingLoad
 from irb2400_ctrl.planners.redundancy.follow import Followed, JointTarget
 from irb2400_ctrl.planners.redundancy.singularity_margins import (

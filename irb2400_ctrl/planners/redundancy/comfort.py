@@ -6,7 +6,7 @@ import numpy as np
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.model import Model
-from irb2400_ctrl.planners.clearance.crowd import COMFORTABLE_CLEARANCE
+from irb2400_ctrl.planners.clearance.room import COMFORTABLE_CLEARANCE
 from irb2400_ctrl.planners.redundancy.singularity_margins import COMFORTABLE
 
 COMFORTABLE_MARGINS = {

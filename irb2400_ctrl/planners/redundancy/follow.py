@@ -12,6 +12,7 @@ import numpy.typing as npt
 from irb2400_ctrl.arrays import Array, Integers
 from irb2400_ctrl.errors import UnreachableError
 from irb2400_ctrl.model import Model
+from irb2400_ctrl.planners.grids import divided
 from irb2400_ctrl.planners.joint_path import JointPath
 from irb2400_ctrl.planners.toolpath.orientation import Orientation
 from irb2400_ctrl.planners.toolpath.task_curve import TaskCurve
@@ -84,9 +85,7 @@ def station_parameters(curve: TaskCurve, spacing: float) -> Array:
     kept."""
     knots = np.arange(curve.segments + 1.0)
     count = np.maximum(1, np.ceil(curve.lengths(knots) / spacing).astype(int))
-    number = np.arange(count.sum()) - np.repeat(np.cumsum(count) - count, count)
-    u = np.repeat(knots[:-1], count) + number / np.repeat(count, count)
-    return np.append(u, float(curve.segments))
+    return divided(knots, count)
 
 
 def arc_length(curve: TaskCurve, u: Array) -> Array:

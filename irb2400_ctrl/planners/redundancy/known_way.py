@@ -6,7 +6,7 @@ from typing import Literal
 
 import numpy as np
 
-from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.arrays import Array, less_turns
 from irb2400_ctrl.cell import Scene
 from irb2400_ctrl.errors import UnreachableError
 from irb2400_ctrl.model import Model
@@ -72,6 +72,5 @@ def _branch(model: Model, orientation: Orientation, q: Array, end: End) -> int:
     """Number of the closed-form branch that q belongs to."""
     at = 0.0 if end == "first" else float(orientation.curve.segments)
     X = orientation.poses(np.array([at]), np.zeros(1))
-    away = model.inverse_kinematics_branches(X).q[0] - q
-    away -= 2 * np.pi * np.round(away / (2 * np.pi))
+    away = less_turns(model.inverse_kinematics_branches(X).q[0] - q)
     return int(np.argmin(np.nan_to_num(np.abs(away).max(axis=1), nan=np.inf)))

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from irb2400_ctrl.arrays import Array, Integers
+from irb2400_ctrl.arrays import Array, Integers, less_turns
 from irb2400_ctrl.errors import UnreachableError
 from irb2400_ctrl.planners.redundancy.ladder_graph import FREE_SHIFTS, Ladder
 from irb2400_ctrl.planners.redundancy.ladder_moves import LARGEST_STEP
@@ -114,8 +114,7 @@ def _blocking_axis(ladder: Ladder, shifts: tuple[int, ...], at: int) -> tuple[in
     found: tuple[int, float] | None = None
     for shift in shifts:
         there = ladder.q[at, (row + shift) % len(ladder.rotation), branch]
-        step = there - q
-        step -= 2 * np.pi * np.round(step / (2 * np.pi))
+        step = less_turns(there - q)
         with np.errstate(invalid="ignore"):
             joined = (np.abs(step) < LARGEST_STEP).all(axis=1)
         reached: Array = (q + step)[joined]

@@ -12,11 +12,10 @@ from typing import Any
 
 import numpy as np
 
-from irb2400_ctrl.arrays import Array, Integers
+from irb2400_ctrl.arrays import Array, Integers, less_turns
 from irb2400_ctrl.cell import Scene
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.planners.clearance import cutting_moves
-from irb2400_ctrl.planners.clearance.crowd import COMFORTABLE_CLEARANCE
 from irb2400_ctrl.planners.clearance.room import room
 from irb2400_ctrl.planners.redundancy.choice import Choice
 from irb2400_ctrl.planners.redundancy.choices import GRID, cutting_at, stations
@@ -117,8 +116,7 @@ def _of_posture(model: Model, orientation: Orientation, u: Array, choice: Choice
     branches = model.inverse_kinematics_branches(own).q
     s = np.interp(u, choice.followed.u, choice.followed.joints.knots)
     driven = choice.followed.joints(s)[:, : model.robot.n]
-    off = branches - driven[:, None]
-    off -= 2 * np.pi * np.round(off / (2 * np.pi))
+    off = less_turns(branches - driven[:, None])
     branch = np.nan_to_num(np.abs(off), nan=np.inf).max(axis=2).argmin(axis=1)
     return middled(model, every[np.arange(n), :, branch])
 
@@ -142,9 +140,7 @@ def _rate(orientation: Orientation, u: Array, steps: Array, q: Array) -> Array:
         q: configurations, shape (n, r, joints).
     """
     curve = orientation.curve
-    step = np.diff(q, axis=0)
-    step -= 2 * np.pi * np.round(step / (2 * np.pi))
-    slope = step / steps[:, None, None]
+    slope = less_turns(np.diff(q, axis=0)) / steps[:, None, None]
     # of the two neighbours the steeper one; at an end, or beside a gap, the only one
     before = np.concatenate([np.zeros_like(slope[:1]), slope])
     after = np.concatenate([slope, np.zeros_like(slope[:1])])
@@ -166,6 +162,6 @@ def _clearance(
     at_feed = np.broadcast_to(cutting_at(orientation.curve, moves, u)[:, None], asked.shape)
     turned = np.repeat(orientation.external(u)[:, None], asked.shape[1], axis=1)
     every = np.concatenate([q, turned], axis=2)
-    free = room(scene, every[asked], at_feed[asked], COMFORTABLE_CLEARANCE)
+    free = room(scene, every[asked], at_feed[asked])
     found[asked] = part_of_comfort("clearance_mm", 1e3 * free)
     return found

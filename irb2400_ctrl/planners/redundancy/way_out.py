@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.arrays import Array, less_turns
 from irb2400_ctrl.cell import Scene
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.planners.redundancy.follow import Followed
@@ -96,8 +96,7 @@ def way_is_free(model: Model, X: Array, q: Array, places: Array) -> Array:
             moved = X.copy()
             moved[:, :3, 3] = a + part * (b - a)
             now = model.inverse_kinematics_branches(moved).q.reshape(q.shape)
-            step = now - before
-            step -= 2 * np.pi * np.round(step / (2 * np.pi))
+            step = less_turns(now - before)
             with np.errstate(invalid="ignore"):
                 left &= (np.abs(step) < LARGEST_STEP).all(axis=-1)
             before = before + step

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.arrays import Array, less_turns
 from irb2400_ctrl.errors import InfeasibleError, UnreachableError
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.planners.joint_box import outside_box
@@ -84,7 +84,7 @@ def turned_about_axis(model: Model, orientation: Orientation) -> list[tuple[Choi
     options = []
     for choice in found:
         angle = choice.rotation(choice.followed.joints.knots)
-        options.append((choice, float(np.abs((angle + np.pi) % (2 * np.pi) - np.pi).max())))
+        options.append((choice, float(np.abs(less_turns(angle)).max())))
     return options
 
 

@@ -5,13 +5,9 @@ from irb2400_ctrl.planners.timing.infeasible_point import InfeasiblePointError
 from irb2400_ctrl.planners.timing.motion_bounds import Checked
 from irb2400_ctrl.planners.timing.motion_limits import MotionLimits
 from irb2400_ctrl.planners.timing.rate_limited.rate_limited_law import RateLimitedLaw
-from irb2400_ctrl.planners.timing.rate_limited.time_rate_limited import (
-    RateLimitedTiming,
-    time_rate_limited,
-)
+from irb2400_ctrl.planners.timing.rate_limited.time_rate_limited import time_rate_limited
 from irb2400_ctrl.planners.timing.time_joint_path import time_joint_path
 from irb2400_ctrl.planners.timing.time_law import TimeLaw
-from irb2400_ctrl.planners.timing.time_optimal import Timed
 
 __all__ = [
     "Certificate",
@@ -19,9 +15,7 @@ __all__ = [
     "InfeasiblePointError",
     "MotionLimits",
     "RateLimitedLaw",
-    "RateLimitedTiming",
     "TimeLaw",
-    "Timed",
     "check",
     "time_joint_path",
     "time_rate_limited",

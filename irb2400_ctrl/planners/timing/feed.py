@@ -8,8 +8,8 @@ import numpy as np
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.planners.enclosure import bernstein
-from irb2400_ctrl.planners.enclosure.cells import divided
 from irb2400_ctrl.planners.enclosure.tcp_path import Enclosed, TcpPath
+from irb2400_ctrl.planners.grids import divided
 from irb2400_ctrl.planners.joint_path import JointPath
 from irb2400_ctrl.planners.redundancy.follow import Followed
 from irb2400_ctrl.planners.timing.motion_limits import linear_bounds

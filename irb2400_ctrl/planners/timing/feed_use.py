@@ -7,7 +7,6 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from irb2400_ctrl.arrays import Array, Integers, true_stretches
 from irb2400_ctrl.planners.enclosure.path_dynamics import PathDynamics
@@ -135,7 +134,7 @@ def feed_use(
     ratio[stated] = np.sqrt(_squared(law, middle[stated])[0] / most[stated])
     length = np.diff(path.tcp.way(law.s))
     held = stated & (ratio >= HELD)
-    parts = _joined(_parts(stated & ~held), np.concatenate([[0.0], np.cumsum(length)]))
+    parts = _joined(true_stretches(stated & ~held), np.concatenate([[0.0], np.cumsum(length)]))
     finder = _Finder(curve, path, law, middle, ratio)
     limit = _limits(dynamics, path, law, limits, middle, parts)
     stretches = [finder.stretch(a, b, k) for (a, b), k in zip(parts, limit, strict=True)]
@@ -259,15 +258,11 @@ def _named(used: Array, smooth: bool, dynamics: PathDynamics) -> str:
     return f"{kinds[int(kind)]} of {dynamics.axis(int(axis))}"
 
 
-def _parts(chosen: npt.NDArray[np.bool_]) -> list[tuple[int, int]]:
-    """First cell and the one after the last of every stretch of chosen cells."""
-    return [(int(a), int(b)) for a, b in true_stretches(chosen)]
-
-
-def _joined(parts: list[tuple[int, int]], way: Array) -> list[tuple[int, int]]:
-    """Stretches with less than `_GAP` between them as one."""
+def _joined(parts: Integers, way: Array) -> list[tuple[int, int]]:
+    """Stretches (k, 2) of cells, of the first and the one after the last, with less than `_GAP`
+    between them as one."""
     found: list[tuple[int, int]] = []
-    for first, last in parts:
+    for first, last in parts.tolist():
         if found and way[first] - way[found[-1][1]] < _GAP:
             found[-1] = (found[-1][0], last)
         else:

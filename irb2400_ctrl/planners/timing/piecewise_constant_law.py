@@ -11,6 +11,7 @@ import numpy as np
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.planners.enclosure.cells import at_once, enclose
 from irb2400_ctrl.planners.enclosure.path_dynamics import PathDynamics
+from irb2400_ctrl.planners.grids import divided
 from irb2400_ctrl.planners.joint_path import JointPath
 from irb2400_ctrl.planners.timing.motion_bounds import Checked, Peaks
 from irb2400_ctrl.planners.timing.motion_limits import MotionLimits
@@ -107,8 +108,7 @@ class PiecewiseConstantLaw(TimeLaw):
         """
         friction = dynamics.friction
         for parts in _PARTS:
-            s = _divided(self.s, parts)
-            x = _divided(self.x, parts)
+            s, x = (divided(grid, np.full(len(self.u), parts)) for grid in (self.s, self.x))
             u = np.repeat(self.u, parts)
             ratio = np.empty((len(u), len(limits.tau_max)))
             speed = 0.0
@@ -139,10 +139,3 @@ class PiecewiseConstantLaw(TimeLaw):
         cells = enclose(dynamics, path, self.s)
         above, below = torque_bounds(cells, self.u, self.x, dynamics.friction)
         return Peaks(torque=np.maximum(above, -below).max(axis=0), torque_rate_ratio=0.0)
-
-
-def _divided(values: Array, parts: int) -> Array:
-    """Linear interpolation of grid values (m + 1,) on cells cut into equal parts."""
-    split = np.arange(parts) / parts
-    inner = values[:-1, None] + split * np.diff(values)[:, None]
-    return np.append(inner.ravel(), values[-1])

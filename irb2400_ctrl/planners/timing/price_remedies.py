@@ -7,7 +7,6 @@ from contextlib import suppress
 
 from irb2400_ctrl.errors import InfeasibleError
 from irb2400_ctrl.planners.enclosure.path_dynamics import PathDynamics
-from irb2400_ctrl.planners.redundancy.follow import Followed
 from irb2400_ctrl.planners.redundancy.wrist_remedies import (
     Remedy,
     damped,
@@ -15,8 +14,7 @@ from irb2400_ctrl.planners.redundancy.wrist_remedies import (
     turned_about_axis,
 )
 from irb2400_ctrl.planners.timing.task_path import TaskPath
-from irb2400_ctrl.planners.timing.time_choices import TimedChoice
-from irb2400_ctrl.planners.timing.time_joint_path import time_joint_path
+from irb2400_ctrl.planners.timing.time_choices import TimedChoice, fastest
 from irb2400_ctrl.planners.timing.timing_options import TimingOptions
 from irb2400_ctrl.planners.toolpath.orientation import Orientation
 
@@ -53,23 +51,14 @@ def price_remedies(
     for choice, angle in turned_about_axis(model, orientation):
         followed = choice.followed
         with suppress(InfeasibleError):
-            duration = _duration(dynamics, orientation, followed, options)
+            path = TaskPath.of(dynamics.model, orientation, followed)
+            duration = fastest(dynamics, path, options).duration
             name = f"turn the tool about its axis ({choice.kind})"
             best[name] = Remedy(name, duration, followed.error, angle, False)
     with suppress(InfeasibleError):
         followed = damped(model, orientation, chosen.path.followed)
-        duration = _duration(dynamics, orientation, followed, options)
+        path = TaskPath.of(dynamics.model, orientation, followed)
+        duration = fastest(dynamics, path, options).duration
         name = "damped least squares"
         best[name] = Remedy(name, duration, followed.error, followed.axis_error, False)
     return sorted(best.values(), key=lambda remedy: remedy.duration)
-
-
-def _duration(
-    dynamics: PathDynamics, orientation: Orientation, followed: Followed, options: TimingOptions
-) -> float:
-    """Of the fastest motion along joints that are not among the choices [s]."""
-    path = TaskPath.of(dynamics.model, orientation, followed)
-    timed, _ = time_joint_path(
-        dynamics, path.joints, options.limits, count=options.cells, feed=path.feed
-    )
-    return timed.law.duration

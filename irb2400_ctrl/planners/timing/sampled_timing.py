@@ -16,7 +16,8 @@ from irb2400_ctrl.planners.enclosure.cells import Cells
 from irb2400_ctrl.planners.enclosure.path_dynamics import PathDynamics
 from irb2400_ctrl.planners.joint_path import JointPath
 from irb2400_ctrl.planners.timing.motion_limits import MotionLimits
-from irb2400_ctrl.planners.timing.time_optimal import Timed, time_path
+from irb2400_ctrl.planners.timing.piecewise_constant_law import PiecewiseConstantLaw
+from irb2400_ctrl.planners.timing.time_optimal import time_path
 
 _ROUNDS = 6
 _SAMPLES = 5
@@ -31,7 +32,7 @@ def time_with_samples(
     limits: MotionLimits,
     friction: Array,
     feed: Array,
-) -> Timed:
+) -> PiecewiseConstantLaw:
     """Time the path, sample the extra torque along the motion, hold that much back, and time it
     again.
 
@@ -39,15 +40,14 @@ def time_with_samples(
         InfeasibleError: nothing is left of the limits, or the rounds do not settle.
     """
     held = np.zeros((len(cells.h), 2, path.n))
-    timed: Timed | None = None
+    law: PiecewiseConstantLaw | None = None
     for _ in range(_ROUNDS):
-        timed = time_path(cells, limits, friction, feed, held)
-        extra = _largest_extra(dynamics, path, timed)
+        law = time_path(cells, limits, friction, feed, held)
+        extra = _largest_extra(dynamics, path, law)
         if (extra <= held + 1e-9).all():
-            return timed
+            return law
         # only ever more: the rounds end
         held = np.maximum(held, extra + _ROOM * np.abs(extra) + 1e-6)
-    law = None if timed is None else timed.law
     raise InfeasibleError(
         "the torque of the effects "
         + ", ".join(sorted({e.kind for e in dynamics.irregular}))
@@ -91,10 +91,9 @@ def _without_bound(effect: Effect) -> str:
     return f"{name}: no bound of its torque between the points is known; it {held}"
 
 
-def _largest_extra(dynamics: PathDynamics, path: JointPath, timed: Timed) -> Array:
+def _largest_extra(dynamics: PathDynamics, path: JointPath, law: PiecewiseConstantLaw) -> Array:
     """Largest extra torque upwards and downwards in each cell and its neighbours, shape (m, 2,
     n)."""
-    law = timed.law
     m = len(law.u)
     part = (np.arange(_SAMPLES) + 0.5) / _SAMPLES
     t = (law.time[:-1, None] + part * np.diff(law.time)[:, None]).ravel()

@@ -26,7 +26,6 @@ from irb2400_ctrl.planners.timing.sampled_timing import time_with_samples
 from irb2400_ctrl.planners.timing.task_path import TaskPath
 from irb2400_ctrl.planners.timing.time_joint_path import time_joint_path
 from irb2400_ctrl.planners.timing.time_law import TimeLaw
-from irb2400_ctrl.planners.timing.time_optimal import Timed
 from irb2400_ctrl.planners.timing.timing_options import TimingOptions
 from irb2400_ctrl.planners.toolpath.orientation import Orientation
 
@@ -63,7 +62,7 @@ def time_choices(
     Args:
         dynamics: the arm's torque along the path.
         orientation: of the tool along the path.
-        found: branches and tool rotations, best first.
+        found: branches and tool rotations, the most promising of each kind first.
         options: of the timing.
         progress: told what is done now.
 
@@ -80,7 +79,7 @@ def time_choices(
         progress(f"{100 * number / len(found):.0f} %")
         path = TaskPath.of(dynamics.model, orientation, choice.followed)
         try:
-            law = fastest(dynamics, path, options).law
+            law = fastest(dynamics, path, options)
             timed.append(TimedChoice(choice, path, law, law))
         except InfeasibleError as error:
             problem = _placed(error, path)
@@ -134,7 +133,7 @@ def limit_rates(
 
     Args:
         dynamics: the arm's torque along the path.
-        ranked: choices that have a motion, fastest first.
+        ranked: choices that have a motion, best first.
         options: of the timing.
 
     Raises:
@@ -176,7 +175,7 @@ def rate_limited(dynamics: PathDynamics, path: TaskPath, options: TimingOptions)
         feed=path.feed,
         sampling=options.sampling,
         feed_ratios=path.feed_ratios,
-    ).law
+    )
 
 
 def settle(
@@ -240,10 +239,10 @@ def roomy(dynamics: PathDynamics, path: TaskPath, law: TimeLaw, options: TimingO
     if not (jumps and (dynamics.external or swings)):
         return law
     kept = limits.with_room(dynamics.model.robot.n, _ROOM_FOR_ROWS)
-    return fastest(dynamics, path, replace(options, limits=kept)).law
+    return fastest(dynamics, path, replace(options, limits=kept))
 
 
-def fastest(dynamics: PathDynamics, path: TaskPath, options: TimingOptions) -> Timed:
+def fastest(dynamics: PathDynamics, path: TaskPath, options: TimingOptions) -> TimeLaw:
     """The fastest law of the back-end, or of the timing for effects that have no bound.
 
     Args:

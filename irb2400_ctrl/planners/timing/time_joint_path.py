@@ -9,11 +9,13 @@ import numpy as np
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InfeasibleError
-from irb2400_ctrl.planners.enclosure.cells import Cells, divided, enclose, grid
+from irb2400_ctrl.planners.enclosure.cells import Cells, enclose, grid
 from irb2400_ctrl.planners.enclosure.path_dynamics import PathDynamics
+from irb2400_ctrl.planners.grids import divided
 from irb2400_ctrl.planners.joint_path import JointPath
 from irb2400_ctrl.planners.timing.motion_limits import MotionLimits
-from irb2400_ctrl.planners.timing.time_optimal import Timed, remainder_share, time_path
+from irb2400_ctrl.planners.timing.piecewise_constant_law import PiecewiseConstantLaw
+from irb2400_ctrl.planners.timing.time_optimal import remainder_share, time_path
 from irb2400_ctrl.typed import typed
 
 FeedBound = Callable[[Array], Array]
@@ -33,7 +35,7 @@ def time_joint_path(
     *,
     count: int = 1000,
     feed: FeedBound | None = None,
-) -> tuple[Timed, Cells]:
+) -> tuple[PiecewiseConstantLaw, Cells]:
     """The certified time law of a joint path, and the cells it stands on.
 
     Args:
@@ -51,20 +53,18 @@ def time_joint_path(
         rounds += 1
         cells = enclose(dynamics, path, s)
         bound = None if feed is None else feed(s)
-        timed = None
+        law = None
         problem = None
         try:
-            timed = time_path(cells, limits, friction, bound)
+            law = time_path(cells, limits, friction, bound)
         except InfeasibleError as error:
             problem = error
-        share = remainder_share(
-            cells, limits, friction, None if timed is None else timed.law.x, bound
-        )
+        share = remainder_share(cells, limits, friction, None if law is None else law.x, bound)
         wide = share > _SHARE
         if not wide.any() or rounds == _ROUNDS:
-            if timed is None:
+            if law is None:
                 raise problem or InfeasibleError("no motion within the limits")
-            return timed, cells
+            return law, cells
         # Cauchy's bound falls with the third power of the width
         parts = np.where(wide, np.clip(np.ceil(np.cbrt(2 * share / _SHARE)), 2, 8), 1).astype(int)
         s = divided(s, parts)

@@ -24,23 +24,13 @@ _TIGHT = 1.2
 _FAST = 1e9
 
 
-@dataclass(frozen=True)
-class Timed:
-    """A time law and how it was reached."""
-
-    law: PiecewiseConstantLaw
-    passes: int
-    speed_bound: Array
-    """bound of x at the grid points by speed and feed, shape (m + 1,)"""
-
-
 def time_path(
     cells: Cells,
     limits: MotionLimits,
     friction: Array,
     feed_bound: Array | None = None,
     extra: Array | None = None,
-) -> Timed:
+) -> PiecewiseConstantLaw:
     """The fastest rest-to-rest time law whose constraints hold on every cell.
 
     Two rough passes guess speeds; each later one is safe by itself and takes its tangents and
@@ -63,10 +53,8 @@ def time_path(
     floor = True
     best: Passed | None = None
     duration = np.inf
-    count = 1
     for room in _ROOM:
         passed = passes.safe(near, room, floor)
-        count += 1
         if passed.infeasible_cell is not None:
             # too bold: without the floor, then without the guess
             if floor and near is not None:
@@ -91,7 +79,7 @@ def time_path(
         raise passes.explained(passed.infeasible_cell or 0)
     if not np.isfinite(duration):
         raise passes.explained(int(np.argmin(best.x[1:-1])))
-    return Timed(PiecewiseConstantLaw(cells.s, best.x), count, bound)
+    return PiecewiseConstantLaw(cells.s, best.x)
 
 
 @dataclass(frozen=True)

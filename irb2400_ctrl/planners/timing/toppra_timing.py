@@ -18,7 +18,6 @@ from irb2400_ctrl.errors import InfeasibleError
 from irb2400_ctrl.planners.enclosure.cells import Cells
 from irb2400_ctrl.planners.timing.motion_limits import MotionLimits, speed_bounds
 from irb2400_ctrl.planners.timing.piecewise_constant_law import PiecewiseConstantLaw
-from irb2400_ctrl.planners.timing.time_optimal import Timed
 from irb2400_ctrl.planners.timing.torque_constraints import Linearisation, torque_constraints
 
 
@@ -28,7 +27,7 @@ def time_with_toppra(
     friction: Array,
     feed_bound: Array | None = None,
     passes: int = 3,
-) -> Timed:
+) -> PiecewiseConstantLaw:
     """Rest-to-rest time law from toppra (seidel), torque rows at the ends of the cells, constant
     acceleration between.
 
@@ -70,7 +69,7 @@ def time_with_toppra(
                 "says where"
             )
         x = np.asarray(speed, dtype=float) ** 2
-    return Timed(PiecewiseConstantLaw(cells.s, x), passes, bound)
+    return PiecewiseConstantLaw(cells.s, x)
 
 
 def end_rows(rows: Array, limits: MotionLimits) -> Array:

@@ -10,7 +10,7 @@ on the safe side:
     e sqrt(x), e < 0:   the chord x / sqrt(x_high) lies below the root up to x_high
     dry friction:       the Stribeck curve is highest at the slowest speed of the cell
     parabolas:          their remainder, times bounds of |u| and x that are constraints themselves
-    other effects:      `added_torque`
+    other effects:      `effect_bounds`
 """
 
 from __future__ import annotations

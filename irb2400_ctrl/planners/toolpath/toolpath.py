@@ -117,21 +117,13 @@ class ToolPath:
             self.name,
         )
 
-    @typed
-    def then(self, other: ToolPath) -> ToolPath:
-        """This path and, straight on, the other one; both must state the orientation in the same
-        way."""
-        if (self.axis is None) != (other.axis is None):
-            raise InputError("cannot join a path of tool axes with one of full orientations")
+    def part(self, rows: slice) -> ToolPath:
+        """Some neighbouring way-points of it."""
         return ToolPath(
-            np.concatenate([self.position, other.position]),
-            None
-            if self.axis is None or other.axis is None
-            else np.concatenate([self.axis, other.axis]),
-            None
-            if self.rotation is None or other.rotation is None
-            else np.concatenate([self.rotation, other.rotation]),
-            np.concatenate([self.feed, other.feed]),
+            self.position[rows],
+            None if self.axis is None else self.axis[rows],
+            None if self.rotation is None else self.rotation[rows],
+            self.feed[rows],
             self.name,
         )
 

@@ -62,7 +62,7 @@ def smooth_outcome(
         InfeasibleError: there is none.
     """
     limited = limits.with_rates(torque_rate, None)
-    law = time_rate_limited(dynamics, path, limited, count=_COUNT).law
+    law = time_rate_limited(dynamics, path, limited, count=_COUNT)
     return outcome(Certificate(path, law, limited), dynamics)
 
 

@@ -121,10 +121,10 @@ def time_again(dynamics: PathDynamics, path: JointPath, limits: MotionLimits) ->
     Raises:
         InfeasibleError: there is none.
     """
-    timed, cells = time_joint_path(dynamics, path, limits)
+    law, cells = time_joint_path(dynamics, path, limits)
     if dynamics.irregular:
         open_feed = np.full(len(cells.h), np.inf)
-        timed = time_with_samples(
+        law = time_with_samples(
             dynamics, path, cells, limits, dynamics.model.robot.friction, open_feed
         )
-    return timed.law
+    return law

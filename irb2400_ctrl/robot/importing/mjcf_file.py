@@ -34,7 +34,7 @@ from irb2400_ctrl.robot.importing.mjcf_parts import (
     spliced,
     stated_numbers,
 )
-from irb2400_ctrl.robot.importing.tree import Mass, Tree, TreeJoint, inverse, pose
+from irb2400_ctrl.robot.importing.tree import Mass, Tree, TreeJoint, inverse, pose, right_angled
 
 NOT_READ = ("tendon", "equality")
 SWITCHED = {
@@ -150,7 +150,7 @@ class _Reader:
         """One body, its joints and what hangs on it."""
         name = element.get("name") or self._link(f"body_{len(self.links)}")
         kind = element.get("childclass", around)
-        X = self._pose(element.attrib, name)
+        X = self._frame(element.attrib, name)
         hinges = element.findall("joint")
         if flies(element):
             self.free.append(name)
@@ -217,7 +217,7 @@ class _Reader:
             if label and label not in self.links and label not in self.bodies:
                 self.links[label] = None
                 of_class = self.defaults.get(site.get("class", kind), {}).get("site", {})
-                X = here @ self._pose(over(of_class, site.attrib), label)
+                X = here @ self._frame(over(of_class, site.attrib), label)
                 self._fix(f"{label}_site", name, label, X)
 
     def _joint(self, settings: Settings, parent: str, child: str, X: Array) -> TreeJoint:
@@ -285,6 +285,13 @@ class _Reader:
             geometry(keys, here, numbers, partial(orientation, unit=self.unit,
                      eulerseq=self.eulers), self.meshes) for keys in solid or drawn
         )  # fmt: skip
+
+    def _frame(self, keys: Settings, name: str) -> Array:
+        """Pose of a link, its right angles exact."""
+        X = self._pose(keys, name)
+        X[:3, :3], notes = right_angled(X[:3, :3], name)
+        self.notes += notes
+        return X
 
     def _pose(self, keys: Settings, name: str) -> Array:
         try:

@@ -12,6 +12,10 @@ from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.robot.importing.geometry import Geometry
 
 TURNING = {"revolute", "continuous"}
+ROUNDED = 1e-5
+"""a quarter turn with four decimals is off by less [rad]"""
+COARSE = 2e-3
+"""one with two decimals (3.14) by less than this"""
 
 
 @dataclass(frozen=True)
@@ -179,6 +183,19 @@ def inverse(X: Array) -> Array:
     """The inverse of a pose."""
     R = X[:3, :3].T
     return pose(-R @ X[:3, 3], R)
+
+
+def right_angled(R: Array, link: str) -> tuple[Array, list[str]]:
+    """A rotation (3, 3), exact where it is one by right angles but for few digits, and a note."""
+    exact = R.round() + 0.0
+    off = float(np.abs(R - exact).max())
+    if off < ROUNDED:
+        said = f"link {link}: a quarter turn of few digits (1.5708, 0.70711) is read as exact"
+        return exact, [said] if off > 1e-9 else []
+    if off > COARSE or np.array_equal(exact, np.eye(3)):
+        return R, []
+    said = "turned as it stands, up to 2 mrad off right angles; if these are meant, write 1.5707963"
+    return R, [f"link {link}: {said}"]
 
 
 def rotation_to(axis: Array, where: str) -> Array:

@@ -12,14 +12,10 @@ from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.robot.importing.geometry import Geometry
 from irb2400_ctrl.robot.importing.mjcf_orientation import from_quaternion
-from irb2400_ctrl.robot.importing.tree import Mass, Tree, TreeJoint, pose
+from irb2400_ctrl.robot.importing.tree import COARSE, ROUNDED, Mass, Tree, TreeJoint, pose
 from irb2400_ctrl.robot.importing.urdf_transmissions import Gear, gears
 
-ROUNDED = 1e-5
-"""a quarter turn with four decimals is off by less [rad]"""
 KINDS = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar")
-COARSE = 2e-3
-"""one with two decimals (3.14) by less than this"""
 SOFT = ("soft_lower_limit", "soft_upper_limit")
 MOST_TURN = 7.0
 """angle of a frame above which it cannot be meant in radians"""

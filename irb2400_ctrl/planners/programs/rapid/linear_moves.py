@@ -2,26 +2,18 @@
 
 from __future__ import annotations
 
-import ctypes
 import math
 from dataclasses import dataclass
-from functools import cache, cached_property
 
 import numpy as np
 
 from irb2400_ctrl.arrays import Array, inner_products, norms
-from irb2400_ctrl.codegen.machine_code.own_library import own_library
 from irb2400_ctrl.planners.programs.rapid.rapid_data import angle_between, in_parts, quaternion
 
 # turning 1 rad counts like this length on the way through a segment [m]
 _ARM_OF_ROTATION = 0.1
-# half a turn that is none [rad]; in linear_moves.c too
+# half a turn that is none [rad]
 _NO_TURN = 1e-9
-
-
-@cache
-def _library() -> ctypes.CDLL | None:
-    return own_library(__package__, "linear_moves.c")
 
 
 @dataclass(frozen=True)
@@ -44,7 +36,7 @@ class LinearMoves:
         turned = inner_products(found[:-1], found[1:]) < 0
         signs = np.append(1.0, np.cumprod(np.where(turned, -1.0, 1.0)))
         way = np.append(0.0, np.cumsum(step))
-        return cls(*map(np.ascontiguousarray, (p, signs[:, None] * found, way)))
+        return cls(p, signs[:, None] * found, way)
 
     def close(self, first: int, last: int, tolerance: float, angle: float) -> bool:
         """Whether the rows between are so near to the move from one to another [m, rad].
@@ -55,20 +47,6 @@ class LinearMoves:
             tolerance: of the TCP [m].
             angle: of the tool's orientation [rad].
         """
-        library = _library()
-        if library is None:
-            return self._close(first, last, tolerance, angle)
-        ends = (ctypes.c_int64(first), ctypes.c_int64(last))
-        allowed = (ctypes.c_double(tolerance), ctypes.c_double(angle))
-        return bool(library.linear_close(*ends, *self._places, *allowed))
-
-    @cached_property
-    def _places(self) -> list[ctypes.c_void_p]:
-        arrays = (self.p, self.quaternions, self.way)
-        return [ctypes.c_void_p(array.ctypes.data) for array in arrays]
-
-    def _close(self, first: int, last: int, tolerance: float, angle: float) -> bool:
-        """The same by arrays, where there is no C compiler."""
         rows = slice(first, last + 1)
         share = shares(self.way[rows])
         p = self.p[rows]

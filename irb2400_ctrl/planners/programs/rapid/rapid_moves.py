@@ -32,7 +32,6 @@ class RapidMove:
     external: tuple[float, ...]
     """external axes that are present [deg or mm]"""
     speed_mm_s: float
-    turning_speed_deg_s: float
     duration: float | None
     """argument T [s]"""
     stops: bool

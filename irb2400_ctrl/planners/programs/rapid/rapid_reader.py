@@ -243,7 +243,6 @@ class _Reader:
             None if joints else tuple(int(value) for value in data[2]),  # type: ignore[arg-type]
             external=tuple(float(v) for v in data[-1] if v < 8e9),
             speed_mm_s=float(speeds[0]),
-            turning_speed_deg_s=float(speeds[1]),
             duration=None if duration is None else float(duration),  # type: ignore[arg-type]
             stops=stops,
             wrist=self.wrist,

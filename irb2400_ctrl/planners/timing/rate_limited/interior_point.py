@@ -31,18 +31,10 @@ _SPREAD = 100.0
 _MORE = (0.0, 1e-13, 1e-11, 1e-9, 1e-7)
 
 
-@dataclass(frozen=True)
-class Solution:
-    """Where the iterations ended; always inside the limits of the program."""
-
-    z: Array
-    iterations: int
-
-
 def solve(
     program: RateLimitedProgram, z: Array, *, barrier: float = 1.0, gap: float = 1e-4
-) -> Solution:
-    """The shortest duration near a motion that keeps all limits.
+) -> Array:
+    """The unknowns of the shortest duration near a motion that keeps all limits; always inside.
 
     Args:
         program: objective and rows.
@@ -53,13 +45,11 @@ def solve(
     point = _Point.at(program, z)
     mu = barrier * point.duration / point.slack.size
     multipliers = mu / point.slack
-    iterations = 0
-    while iterations < _MOST:
+    for _ in range(_MOST):
         first = point.linearised(multipliers, mu)
         error = max(float(multipliers @ point.slack), first.stationarity(point.z))
         if error <= gap * point.duration:
             break
-        iterations += 1
         gradient = first.gradient(mu)
         if error <= _SOLVED * mu * point.slack.size:
             mu *= _SMALLER
@@ -76,7 +66,7 @@ def solve(
             multipliers, point.slack, relative, new.slack, mu, _to_boundary(dual), _SPREAD
         )
         point = new
-    return Solution(point.z, iterations)
+    return point.z
 
 
 def _to_boundary(steepest: float) -> float:

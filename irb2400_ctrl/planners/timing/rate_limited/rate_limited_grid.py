@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from irb2400_ctrl.arrays import Array
-from irb2400_ctrl.planners.enclosure.cells import divided, grid
+from irb2400_ctrl.planners.enclosure.cells import grid
+from irb2400_ctrl.planners.grids import divided
 from irb2400_ctrl.planners.joint_path import JointPath
 from irb2400_ctrl.planners.timing.rate_limited.constrained_outputs import ConstrainedOutputs
 from irb2400_ctrl.planners.timing.rate_limited.rate_limited_law import RateLimitedLaw

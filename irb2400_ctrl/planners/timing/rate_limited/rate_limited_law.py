@@ -10,8 +10,8 @@ import numpy as np
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.planners.enclosure.bernstein import linear
-from irb2400_ctrl.planners.enclosure.cells import divided
 from irb2400_ctrl.planners.enclosure.path_dynamics import PathDynamics
+from irb2400_ctrl.planners.grids import divided
 from irb2400_ctrl.planners.joint_path import JointPath
 from irb2400_ctrl.planners.timing.motion_bounds import Checked, Peaks
 from irb2400_ctrl.planners.timing.motion_limits import MotionLimits

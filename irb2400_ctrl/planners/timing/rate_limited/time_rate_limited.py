@@ -53,17 +53,6 @@ _NEAR = 1e-3
 _LEAST_CELLS = 150
 
 
-@dataclass(frozen=True)
-class RateLimitedTiming:
-    """A time law and how it was reached."""
-
-    law: RateLimitedLaw
-    fastest: TimeLaw
-    """the certified one without limits of rates"""
-    iterations: int
-    """of Newton's method, over all programs"""
-
-
 def time_rate_limited(
     dynamics: PathDynamics,
     path: JointPath,
@@ -73,7 +62,7 @@ def time_rate_limited(
     feed: FeedBound | None = None,
     sampling: Sampling | None = None,
     feed_ratios: FeedRatios | None = None,
-) -> RateLimitedTiming:
+) -> RateLimitedLaw:
     """The time law from rest to rest, without a jump of the acceleration, whose bounds over all
     times keep the limits.
 
@@ -86,7 +75,7 @@ def time_rate_limited(
         path: the joint path.
         limits: with `torque_rate`, `jerk` or both.
         count: about how many cells to begin with; fewer for a motion of fewer rows.
-        feed: bound of x = sdot^2 in cells, see `retime`.
+        feed: bound of x = sdot^2 in cells, see `FeedBound`.
         sampling: how the motion will be read; what swings above a limit of torque, speed or feed
             between rows is held back, too.
         feed_ratios: speed of the TCP over the feed in what is read, see `feed.feed_ratios`.
@@ -104,17 +93,16 @@ def time_rate_limited(
     fastest, cells = time_joint_path(dynamics, path, jumping, count=count, feed=feed)
     if sampling is not None:
         # a program that is much finer than the rows takes longer and gains nothing
-        rows = int(np.ceil(fastest.law.duration * sampling.rate))
+        rows = int(np.ceil(fastest.duration * sampling.rate))
         count = min(count, max(rows, _LEAST_CELLS))
-    s, rough, first = search.rough(fastest.law, cells, count)
-    found = search.within(s, rough)
+    found = search.within(*search.rough(fastest, cells, count))
     _refuse(
         found.ratios,
         search.outputs(cells),
         1 + _UNSETTLED,
         "and slowing down does not settle it; raise the torque rate or the jerk",
     )
-    return RateLimitedTiming(found.law, fastest.law, first + found.iterations)
+    return found.law
 
 
 @dataclass(frozen=True)
@@ -123,8 +111,6 @@ class _Found:
 
     law: RateLimitedLaw
     ratios: OutputRatios
-    iterations: int
-    """of Newton's method, so far"""
     rounds: int
     """solutions so far"""
 
@@ -154,9 +140,9 @@ class _Search:
         """What has limits, on cells of the path."""
         return ConstrainedOutputs.of(cells, self.limits, self.dynamics.friction)
 
-    def ratios(self, law: RateLimitedLaw, halvings: int = HALVINGS) -> OutputRatios:
+    def ratios(self, law: RateLimitedLaw) -> OutputRatios:
         """A motion held against its limits."""
-        return law.sampled_ratios(self.path, self.limits, self.dynamics, halvings)
+        return law.sampled_ratios(self.path, self.limits, self.dynamics, HALVINGS)
 
     def as_read(self, law: RateLimitedLaw, ratios: OutputRatios) -> OutputRatios:
         """The same with torques, accelerations, speeds and feed of the rows, and of what is read
@@ -176,16 +162,13 @@ class _Search:
         """The program on a grid, near a motion that is known."""
         return GriddedProgram.on(self.dynamics, self.path, self.limits, s, near, self.feed)
 
-    def rough(
-        self, fastest: TimeLaw, cells: Cells, count: int
-    ) -> tuple[Array, RateLimitedLaw, int]:
-        """A grid that is fine where it has to be, from a first motion on a coarse one, that motion,
-        and the iterations it took."""
+    def rough(self, fastest: TimeLaw, cells: Cells, count: int) -> tuple[Array, RateLimitedLaw]:
+        """A grid that is fine where it has to be, from a first motion on a coarse one, and that
+        motion."""
         s = first_grid(self.path, fastest, self.outputs(cells), count)
         problem = self.program(s, fastest)
-        found = solve(problem.program, problem.start(), gap=_ROUGH)
-        law = problem.law(found.z)
-        return refined(law, problem.program.outputs), law, found.iterations
+        law = problem.law(solve(problem.program, problem.start(), gap=_ROUGH))
+        return refined(law, problem.program.outputs), law
 
     def within(self, s: Array, rough: RateLimitedLaw) -> _Found:
         """The motion on a fine grid, within all limits.
@@ -210,7 +193,7 @@ class _Search:
             once = self.slowed(found)
             inside = self.slowed_until_inside(once)
             better = inside.rank < best.rank
-            best = replace(inside if better else best, iterations=found.iterations)
+            best = replace(inside if better else best, rounds=found.rounds)
             if not better:
                 break
         return best
@@ -245,13 +228,11 @@ class _Search:
             last: how many solutions there may be in all.
             before: what was found before.
         """
-        iterations = 0 if before is None else before.iterations
         done = 0 if before is None else before.rounds
         for turn in range(done + 1, last + 1):
             solution = solve(problem.program, z, barrier=barrier, gap=_GAP)
-            iterations += solution.iterations
-            law = problem.law(solution.z)
-            found = _Found(law, self.as_read(law, self.ratios(law)), iterations, turn)
+            law = problem.law(solution)
+            found = _Found(law, self.as_read(law, self.ratios(law)), turn)
             if found.worst <= 1 + _ENOUGH or turn == last:
                 break
             _refuse(
@@ -261,9 +242,9 @@ class _Search:
                 "which no timing cures: an effect's torque jumps there by itself",
             )
             problem = problem.holding_back(found.ratios, law)
-            z = problem.inside(solution.z)
+            z = problem.inside(solution)
             barrier = _NEAR
-        return problem, solution.z, found
+        return problem, solution, found
 
     def slowed_until_inside(self, found: _Found) -> _Found:
         """The motion slowed by what is still above its limits."""

@@ -8,6 +8,7 @@ import numpy as np
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.planners.enclosure.path_dynamics import PathDynamics
+from irb2400_ctrl.planners.grids import counted
 from irb2400_ctrl.planners.joint_path import JointMotion, JointPath
 from irb2400_ctrl.planners.timing.motion_limits import MotionLimits
 from irb2400_ctrl.planners.timing.sampled_reference.linear_columns import LinearColumns
@@ -38,8 +39,7 @@ class Excerpt:
         """The intervals that touch spans of time (m, 2) [s], rows at (k + phase) / rate."""
         first = np.floor(spans[:, 0] * sampling.rate - phase).astype(int)
         count = np.ceil(spans[:, 1] * sampling.rate - phase).astype(int) - first
-        after = np.arange(count.sum()) - np.repeat(np.cumsum(count) - count, count)
-        number = np.unique(np.repeat(first, count) + after)
+        number = np.unique(np.repeat(first, count) + counted(count)).astype(float)
         start = (number + phase) / sampling.rate
         _, *a = law.motion(path, start)
         _, *b = law.motion(path, (number + 1 + phase) / sampling.rate)

@@ -14,8 +14,9 @@ import numpy as np
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.planners.enclosure import bernstein
-from irb2400_ctrl.planners.enclosure.cells import divided, enclose, with_reversals
+from irb2400_ctrl.planners.enclosure.cells import enclose, with_reversals
 from irb2400_ctrl.planners.enclosure.path_dynamics import PathDynamics
+from irb2400_ctrl.planners.grids import divided
 from irb2400_ctrl.planners.joint_path import JointMotion
 from irb2400_ctrl.planners.timing.motion_limits import MotionLimits
 from irb2400_ctrl.planners.timing.torque_bounds import timed_torque_bounds
