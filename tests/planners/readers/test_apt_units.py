@@ -117,13 +117,16 @@ def test_unknown_units_are_refused(tmp_path: Path, statement: str) -> None:
         feed(tmp_path, statement)
 
 
-def test_incremental_mode(tmp_path: Path) -> None:
+def test_points_are_absolute_where_the_machine_code_is_to_be_incremental(tmp_path: Path) -> None:
+    """Creo writes MODE/INCR around the sequences of a subroutine; their points stay absolute."""
     file = tmp_path / "part.apt"
     file.write_text(
-        "UNITS/MM\nGOTO/100,10,0\nMODE/INCR\nGOTO/5,0,0\nGOTO/0,0,-2\nMODE/ABSOL\nGOTO/7,8,9\n"
+        "UNITS/MM\nGOTO/100,10,0\nMODE/INCR\nGOTO/5,0,0\nGODLTA/1,2,3\nMODE/ABSOL\nGOTO/7,8,9\n"
     )
-    expected = [[100, 10, 0], [105, 10, 0], [105, 10, -2], [7, 8, 9]]
-    assert np.allclose(1e3 * read_path(file).position, expected)
+    program = read_program(file)
+    expected = [[100, 10, 0], [5, 0, 0], [6, 2, 3], [7, 8, 9]]
+    assert np.allclose(1e3 * program.operations[0].path.position, expected)
+    assert any("MODE/INCR" in note.text for note in program.of_kind("assumed"))
 
 
 METRES = r"metres or inches instead of millimetres\? State the unit: units='m' \(--units m; 2000 mm"
