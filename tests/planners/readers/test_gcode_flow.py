@@ -110,3 +110,17 @@ def test_a_jump_stays_in_its_program(tmp_path: Path) -> None:
 def test_loops_behind_the_end_are_not_carried_out(tmp_path: Path) -> None:
     text = f"{HEAD}X5\nM30\nN5 X1\nGOTO 5\n"
     assert np.allclose(1e3 * program(tmp_path, text).operation().path.position[-1], [5, 0, 0])
+
+
+@pytest.mark.parametrize(
+    "loop",
+    [
+        "o1 while [#1 LT 5]\n#1=[#1+#500]\nG1 X[#1] F100\no1 endwhile\n",
+        "WHILE [#1 LT 5] DO1\n#1=#1+#500\nG1 X#1 F100\nEND1\n",
+        "N10\n#1=#1+#500\nG1 X#1 F100\nIF [#1 LT 5] GOTO 10\n",
+    ],
+)
+def test_a_loop_whose_count_is_not_known_names_what_is_missing(tmp_path: Path, loop: str) -> None:
+    """And not that it has no end, after as many lines as are carried out at most."""
+    with pytest.raises(InputError, match="found #500, which the file does not set"):
+        program(tmp_path, f"G21 G90\nG0 X0. Y0. Z5.\n#1=0\n{loop}M30\n")

@@ -34,6 +34,8 @@ class Variables:
     """What the file has set so far."""
 
     def __init__(self, *, siemens: bool = False) -> None:
+        self.lost = False
+        """a line could not be read: what it sets is not known, and a loop may wait for it"""
         self._siemens = siemens
         self._known: dict[str, float] = {}
         self._callers: list[dict[str, float]] = []
