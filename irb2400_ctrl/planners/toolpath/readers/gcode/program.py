@@ -59,7 +59,7 @@ def read_gcode(
     siemens = is_siemens(text, name)
     state = GcodeState(siemens=siemens, evenly=not siemens, linuxcnc=is_linuxcnc(text, name))
     reader = _Reader(builder, state, units, turning, frames)
-    variables = Variables(siemens=siemens)
+    variables = Variables(siemens=siemens, linuxcnc=state.linuxcnc)
     lines, notes = in_order(text, name, variables)
     listed = list(blocks(lines, name, variables))
     reader.survey([block for block in listed if isinstance(block, Block)])
