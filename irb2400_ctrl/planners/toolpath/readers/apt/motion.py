@@ -166,6 +166,10 @@ class Motion:
     def _feed(self, statement: Statement) -> None:
         """A feed; it ends a RAPID before it."""
         builder = self._builder
+        words = statement.arguments
+        if "INVERS" in words and {"AUTO", "ON", "OFF"} & set(words) and len(words) == 2:
+            builder.note("ignored", "FEDRAT/INVERS: how the machine's code is to state the feeds")
+            return
         self._rapid = False
         builder.feed = units.feed(statement.arguments, builder.place, self._placement.unit)
 
