@@ -114,7 +114,7 @@ def sentence(summary: Mapping[str, Any]) -> str:
     feed = summary["feed"]
     told = f"The way can be driven in {summary['duration_s']:.2f} s"
     if feed is not None:
-        told += f", at the programmed feed on {100 * feed['share_at_feed']:.0f} % of it"
+        told += f", at the programmed feed on {100 * feed['share_at_feed']:.1f} % of it"
     if summary["guaranteed"]:
         return f"{told}; no torque passes its limit at any instant (guaranteed)."
     note = summary["guarantee_note"]

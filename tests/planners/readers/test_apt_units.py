@@ -117,13 +117,29 @@ def test_unknown_units_are_refused(tmp_path: Path, statement: str) -> None:
         feed(tmp_path, statement)
 
 
-def test_incremental_mode(tmp_path: Path) -> None:
+@pytest.mark.parametrize("order", ["AUTO", "OFF", "ON"])
+def test_inverse_feeds_for_the_machine_leave_the_feed_as_it_is(tmp_path: Path, order: str) -> None:
+    """Creo writes FEDRAT / INVERS, AUTO before a sequence with rotary axes, and OFF behind it."""
+    file = tmp_path / "part.ncl"
+    file.write_text(
+        f"UNITS / MM\nGOTO / 0, 0, 0\nFEDRAT / 600, MMPM\nFEDRAT / INVERS, {order}\nRAPID\n"
+        f"FEDRAT / INVERS, {order}\nGOTO / 5, 0, 0\nGOTO / 9, 0, 0\n"
+    )
+    operation = read_program(file).operation()
+    assert np.isclose(operation.path.feed[-1], 0.01)
+    assert operation.rapid.tolist()[1:] == [True, False]
+
+
+def test_points_are_absolute_where_the_machine_code_is_to_be_incremental(tmp_path: Path) -> None:
+    """Creo writes MODE/INCR around the sequences of a subroutine; their points stay absolute."""
     file = tmp_path / "part.apt"
     file.write_text(
-        "UNITS/MM\nGOTO/100,10,0\nMODE/INCR\nGOTO/5,0,0\nGOTO/0,0,-2\nMODE/ABSOL\nGOTO/7,8,9\n"
+        "UNITS/MM\nGOTO/100,10,0\nMODE/INCR\nGOTO/5,0,0\nGODLTA/1,2,3\nMODE/ABSOL\nGOTO/7,8,9\n"
     )
-    expected = [[100, 10, 0], [105, 10, 0], [105, 10, -2], [7, 8, 9]]
-    assert np.allclose(1e3 * read_path(file).position, expected)
+    program = read_program(file)
+    expected = [[100, 10, 0], [5, 0, 0], [6, 2, 3], [7, 8, 9]]
+    assert np.allclose(1e3 * program.operations[0].path.position, expected)
+    assert any("MODE/INCR" in note.text for note in program.of_kind("assumed"))
 
 
 METRES = r"metres or inches instead of millimetres\? State the unit: units='m' \(--units m; 2000 mm"

@@ -87,6 +87,36 @@ def test_creo_arc_turns_right_handed_through_all_its_points(tmp_path: Path) -> N
     assert np.diff(angle).max() < 12
 
 
+def on_a_circle(*degrees: float) -> str:
+    """GOTO/ to places on the circle of radius 10 about the zero."""
+    places = [(10 * np.cos(a), 10 * np.sin(a)) for a in np.radians(degrees)]
+    return "".join(f"GOTO / {x:.10f}, {y:.10f}, 4.0\n" for x, y in places)
+
+
+@pytest.mark.parametrize("sense", [1, -1])
+def test_an_arc_without_an_axis_goes_the_shorter_way(tmp_path: Path, sense: int) -> None:
+    body = f"{on_a_circle(0)}CIRCLE / 0, 0, 4, 10\n{on_a_circle(sense * 45, sense * 90)}"
+    program = creo(tmp_path, body)
+    p = program.operation().path.position
+    angle = np.degrees(np.arctan2(p[:, 1], p[:, 0]))
+    assert (np.diff(sense * angle) > 0).all()
+    assert sense * angle[-1] == pytest.approx(90)
+    assert "without i,j,k: the shorter way" in str(program.of_kind("assumed"))
+
+
+def test_creo_points_against_the_axis_of_their_arc_are_refused(tmp_path: Path) -> None:
+    """They would be passed after nearly a turn each."""
+    body = f"{on_a_circle(0)}CIRCLE / 0, 0, 4, 0, 0, -1, 10\n{on_a_circle(45, 90)}"
+    with pytest.raises(InputError, match="go round more than once about its i,j,k"):
+        creo(tmp_path, body)
+
+
+def test_creo_a_place_on_the_circle_behind_a_whole_turn_is_none_of_the_arc(tmp_path: Path) -> None:
+    body = f"{on_a_circle(0)}CIRCLE / 0, 0, 4, 0, 0, 1, 10\n{on_a_circle(120, 240, 360, 180)}"
+    p = 1e3 * creo(tmp_path, body).operation().path.position
+    assert np.allclose(p[-2:], [[10, 0, 4], [-10, 0, 4]], atol=1e-6)
+
+
 def test_creo_points_of_an_arc_on_lines_of_their_own(tmp_path: Path) -> None:
     body = (
         "GOTO / 10, 0, 4\nCIRCLE / 0, 0, 4, 0, 0, -1, 10\n"

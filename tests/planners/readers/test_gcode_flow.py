@@ -110,3 +110,43 @@ def test_a_jump_stays_in_its_program(tmp_path: Path) -> None:
 def test_loops_behind_the_end_are_not_carried_out(tmp_path: Path) -> None:
     text = f"{HEAD}X5\nM30\nN5 X1\nGOTO 5\n"
     assert np.allclose(1e3 * program(tmp_path, text).operation().path.position[-1], [5, 0, 0])
+
+
+@pytest.mark.parametrize(
+    "loop",
+    [
+        "o1 while [#1 LT 5]\n#1=[#1+#500]\nG1 X[#1] F100\no1 endwhile\n",
+        "WHILE [#1 LT 5] DO1\n#1=#1+#500\nG1 X#1 F100\nEND1\n",
+        "N10\n#1=#1+#500\nG1 X#1 F100\nIF [#1 LT 5] GOTO 10\n",
+    ],
+)
+def test_a_loop_whose_count_is_not_known_names_what_is_missing(tmp_path: Path, loop: str) -> None:
+    """And not that it has no end, after as many lines as are carried out at most."""
+    with pytest.raises(InputError, match="found #500, which the file does not set"):
+        program(tmp_path, f"G21 G90\nG0 X0. Y0. Z5.\n#1=0\n{loop}M30\n")
+
+
+@pytest.mark.parametrize(
+    ("order", "says"),
+    [
+        ("#3000=1(TOOL TOO LONG)", "#3000= stops the program with an alarm"),
+        ("IF [#1 EQ 0] THEN #3000=1", "#3000= stops the program with an alarm"),
+        ("#3006=1(TURN THE PART)", "#3006= waits for the operator .*; write M0"),
+        ("#3007=1", "#3007= mirrors"),
+        ("#5221=#5221+100.", "#5221"),
+        ("#5221=100.", "#5221= moves a zero of the control"),
+        ("#7001=100.", "#7001= moves a zero of the control"),
+    ],
+)
+def test_variables_by_which_the_control_acts(tmp_path: Path, order: str, says: str) -> None:
+    head = "G21 G90\nG0 X0. Y0. Z5.\n#1=0\n"
+    with pytest.raises(InputError, match=f"line 4: .*{says}"):
+        program(tmp_path, f"{head}{order}\nG1 X5. F100\nM30\n")
+
+
+def test_such_variables_that_are_not_reached_or_are_free(tmp_path: Path) -> None:
+    head = "G21 G90\nG0 X0. Y0. Z5.\n#1=0\n"
+    for order in ("IF [#1 EQ 1] THEN #3000=1", "#3003=1", "#500=1", "#13001=5."):
+        assert len(program(tmp_path, f"{head}{order}\nG1 X5. F100\nM30\n").operations) == 1
+    linuxcnc = f"{head}o1 if [#1 EQ 0]\n#3000=4\no1 endif\nG1 X#3000 F100\nM2\n"
+    assert np.isclose(program(tmp_path, linuxcnc).operation().path.position[-1, 0], 0.004)

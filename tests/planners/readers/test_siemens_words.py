@@ -184,3 +184,11 @@ def test_heads_of_sub_programs_without_arguments(tmp_path: Path, head: str, call
     # the control is at G90 again behind it
     with pytest.raises(InputError, match=r"found 'PROC SUB1 SAVE'.* with SAVE the caller has"):
         read(tmp_path, f"{main}%_N_SUB1_SPF\nPROC SUB1 SAVE\nG91 G1 X5 F60\nRET\n")
+
+
+@pytest.mark.parametrize(
+    "block", ["$P_PFRAME=CTRANS(X,100)", "$P_PFRAME=CTRANS (X,100)", "$P_PFRAME=CROT(Z,30)"]
+)
+def test_a_frame_that_is_set_is_no_order_to_grbl(tmp_path: Path, block: str) -> None:
+    with pytest.raises(InputError, match=r"line 3: found '\$P_PFRAME"):
+        read(tmp_path, f"G54 G710\nG0 X0 Y0 Z9\n{block}\nG1 X5 F100\nM30\n")

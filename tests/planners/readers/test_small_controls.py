@@ -9,6 +9,7 @@ import pytest
 from gcode_files import program
 
 from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.planners import read_program
 
 HEAD = "G21 G90 G17\n"
 
@@ -81,3 +82,33 @@ def test_numbers_with_an_exponent_as_scripts_print_them(tmp_path: Path) -> None:
 def test_a_work_frame_that_the_file_sets_says_what_to_do(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"line 2: G10 is a change .* delete the line"):
         program(tmp_path, f"{HEAD}G10 L2 P1 X-315. Y-315. Z-689.\nG0 X0 Y0 Z5\nG1 X5 F600\n")
+
+
+@pytest.mark.parametrize("order", [70, 71, 72, 73])
+def test_modes_that_linuxcnc_keeps_and_brings_back_are_refused(tmp_path: Path, order: int) -> None:
+    """M73 of other controls blows air or shows how far a print is."""
+    sub = f"o<inches> sub\nM{order}\nG20 G91\nG1 X1 F9\no<inches> endsub\n"
+    with pytest.raises(InputError, match=f"line 3: M{order} keeps G20, G91, F"):
+        program(tmp_path, f"G0 X0 Y0 Z5\n{sub}o<inches> call\nG1 X20\nM2\n")
+    found = program(tmp_path, f"{HEAD}G0 X0 Y0 Z5\nM{order}\nG1 X20 F9\nM2\n")
+    assert f"M{order}: a function of the machine" in str(found.of_kind("assumed"))
+
+
+def test_sub_programs_may_have_any_name(tmp_path: Path) -> None:
+    sub = "o<hole-1 b> sub\nG1 X[#1] F600\no<hole-1 b> endsub\n"
+    calls = "o<hole-1 b> call [20]\no<hole-1 b> call [30]\n"
+    found = program(tmp_path, f"{sub}{HEAD}G0 X0 Y0 Z5\n{calls}M2\n")
+    assert np.allclose(1e3 * found.operation().path.position[:, 0], [0, 20, 30])
+
+
+@pytest.mark.parametrize("name", ["o<facing>", "o100"])
+def test_a_file_of_a_sub_program_alone_says_so(tmp_path: Path, name: str) -> None:
+    with pytest.raises(InputError, match=r"line 1: .* that no line of the file calls"):
+        program(tmp_path, f"{name} sub\n{HEAD}G0 X0 Y0 Z5\nG1 X5 F600\n{name} endsub\nM2\n")
+
+
+def test_lengths_without_a_point_are_those_of_the_unit_on_linuxcnc(tmp_path: Path) -> None:
+    file = tmp_path / "part.ngc"
+    file.write_text(f"{HEAD}G0 X0 Y0 Z5\nG1 X5 F600\nM2\n")
+    assert "decimal point" not in str(read_program(file).notes)
+    assert "decimal point" in str(program(tmp_path, file.read_text()).notes)

@@ -12,6 +12,7 @@ from irb2400_ctrl.planners.linking.program_events import at_rest
 from irb2400_ctrl.planners.linking.program_motion import ProgramMotion
 from irb2400_ctrl.planners.linking.segment import TimedEvent
 from irb2400_ctrl.planners.plan import Plan
+from irb2400_ctrl.planners.programs.rapid.rapid_feeds import feeds_of_rows
 from irb2400_ctrl.planners.programs.rapid.rapid_options import RapidOptions
 from irb2400_ctrl.planners.programs.rapid.rapid_program import RapidProgram, rapid_program
 from irb2400_ctrl.planners.toolpath.cam_program import Operation
@@ -45,6 +46,7 @@ def rapid_of_plan(
         plan.trajectory,
         options=options,
         X_BW=X_BW,
+        feeds=feeds_of_rows(plan),
         events=events,
         external=stands if moving is None else moving.shown,
         carried=plan.carried,
@@ -80,6 +82,7 @@ def rapid_of_motion(
     time = motion.trajectory.time
     joints = np.zeros(len(time), dtype=bool)
     stops = np.zeros(len(time), dtype=bool)
+    feeds = np.full(len(time), np.inf)
     stands = [segment.positioner for segment in motion.segments]
     carried = _carried(motion)
     if carried is not None and len(carried) == carried.slides and stands[0] is not None:
@@ -89,6 +92,9 @@ def rapid_of_motion(
         first, last = np.searchsorted(time, np.array([segment.start, segment.end]) - 1e-6)
         joints[first + 1 : last + 1] = segment.kind in JOINT_MOVES
         stops[last] = True
+        if isinstance(segment.piece, Plan):
+            own = feeds_of_rows(segment.piece)[1:]
+            feeds[first + 1 : first + 1 + len(own)] = own
         if segment.positioner is not None and moving is None:
             external[first + (first > 0) :] = segment.positioner
     return rapid_program(
@@ -98,6 +104,7 @@ def rapid_of_motion(
         X_BW=X_BW,
         joint_rows=joints,
         stops=stops,
+        feeds=feeds,
         events=_besides_waits(motion, options),
         external=external if moving is None else moving.shown,
         carried=carried,

@@ -30,6 +30,7 @@ from irb2400_ctrl.planners.programs.rapid.rapid_rows import (
     PlanRows,
     Rows,
     checked,
+    checked_feeds,
     row_flags,
     speeds_between,
     wrist_rows,
@@ -84,6 +85,7 @@ def rapid_program(
     external: ArrayLike = (),
     joint_rows: npt.NDArray[np.bool_] | None = None,
     stops: npt.NDArray[np.bool_] | None = None,
+    feeds: ArrayLike | None = None,
     events: Sequence[ProgramEvent] = (),
     tools: Sequence[tuple[int, Model]] = (),
     carried: ExternalAxes | None = None,
@@ -101,6 +103,7 @@ def rapid_program(
             shape (n, k), in the controller's unit [deg or mm].
         joint_rows: rows to which the joints move although the others are linear, shape (n,).
         stops: rows at which the plan is at rest, shape (n,): stop points.
+        feeds: programmed feed of the way to each row [m/s], inf for none, (n,): moves keep it.
         events: what the program asks for besides motion, at times of the plan; the arm stops there.
         tools: rows at which the tool changes, increasing, and the arm with the next one.
         carried: axes that turn the work object, which `X_BW` states at zero, or carry the arm.
@@ -114,16 +117,13 @@ def rapid_program(
     standing = row_flags("stops", stops, len(q))
     standing[list(at_events)] = True
     joints = row_flags("joint_rows", joint_rows, len(q)) | (options.motion == "joint")
-    flags = _Flags(wrist_rows(q, wrist_crossing), joints, standing)
+    flags = _Flags(wrist_rows(q, wrist_crossing), joints, standing, checked_feeds(feeds, len(q)))
     models = [model, *(arm for _, arm in tools)]
     part = _Part.of(carried, external, options, len(q))
     X_BW = np.eye(4) if part is not None and X_BW is None else X_BW
     rows, first, samples = _rows(models, tools, (time, q), flags, options, X_BW, part)
     writer = EventWriter(options.signals)
-    said = {
-        row + first: [line for event in found for line in writer.lines(event)]
-        for row, found in at_events.items()
-    }
+    said = _said(writer, at_events, first)
     names = _names(options, models, X_BW is not None)
     configuration = data.configuration(model, rows.q[samples])
     extax = _external_axes(external, len(q), first, len(rows.q))
@@ -131,8 +131,24 @@ def rapid_program(
     plate = part is not None and part.turns
     steps = program_steps(rows, samples, configuration, extax, *about)
     text, parts = module_texts(models, names, _on_plate(X_BW, part), steps, plate)
-    targets = np.array([step.row for step in steps if step.row is not None])
-    return RapidProgram(text, targets, rows.q[targets], parts, first, tuple(writer.not_written))
+    at = np.array([step.row for step in steps if step.row is not None])
+    return RapidProgram(text, at, rows.q[at], parts, first, tuple(writer.not_written))
+
+
+def _said(
+    writer: EventWriter, events: dict[int, list[ProgramEvent]], first: int
+) -> dict[int, list[str]]:
+    """The lines of the events at each row of the program.
+
+    Args:
+        writer: knows the signals.
+        events: by the row of the plan.
+        first: row of the program at which the plan begins.
+    """
+    return {
+        row + first: [line for event in found for line in writer.lines(event)]
+        for row, found in events.items()
+    }
 
 
 def _external_axes(external: ArrayLike, count: int, first: int, rows: int) -> list[str]:
@@ -222,11 +238,12 @@ def _on_plate(X_BW: Array | None, part: _Part | None) -> Array | None:
 
 @dataclass(frozen=True)
 class _Flags:
-    """Of the rows of the plan, each of shape (n,)."""
+    """Of the rows of the plan, each of shape (n,); feeds in m/s."""
 
     crossing: Rows
     joints: Rows
     standing: Rows
+    feeds: Array
 
 
 def _rows(
@@ -258,7 +275,9 @@ def _rows(
         X_BT[tool == number] = arm.tcp_pose(q[tool == number])
     moved = q if part is None else np.hstack([q, part.padded(ends)])
     rest = np.append(False, np.abs(np.diff(moved, axis=0)).max(axis=1) < 1e-10)
-    kept = rows_to_keep(rest, crossing, joints) | standing
+    # the way to the plan's first row is that of the approach
+    feeds = np.pad(flags.feeds[1:], (ends[0] + 1, ends[1]), constant_values=np.inf)
+    kept = rows_to_keep(rest, crossing, joints, feeds) | standing
     tolerance = 1e-3 * options.tolerance_mm
     angle = np.radians(options.tolerance_deg)
     # where the part moves, the controller goes straight in its eyes
@@ -276,7 +295,7 @@ def _rows(
     if part is not None:
         speeds = np.column_stack([speeds, part.speeds(time, ends)])
     flags_of = (rest, crossing, joints, standing)
-    return PlanRows(time, q, X_WT, speeds, *flags_of, tool), first, samples
+    return PlanRows(time, q, X_WT, speeds, *flags_of, tool, feeds), first, samples
 
 
 def _rows_of(events: Sequence[ProgramEvent], time: Array) -> dict[int, list[ProgramEvent]]:

@@ -38,6 +38,8 @@ class PlanRows:
     """rows at which the arm stands"""
     tool: Integers
     """number of the tool, from 0, that the arm goes to each row with"""
+    feeds: Array
+    """programmed feed of the way to each row, inf where there is none [m/s], shape (n,)"""
 
     def pauses(self, before: int, row: int) -> bool:
         """Whether the arm only waits from one sample to the next."""
@@ -99,6 +101,20 @@ def checked(
             f"{np.degrees(q[row, axis]):.2f} deg"
         )
     return time, q
+
+
+def checked_feeds(feeds: ArrayLike | None, count: int) -> Array:
+    """Programmed feeds of the ways to the plan's rows [m/s], shape (n,).
+
+    Raises:
+        InputError: not a positive number for each row.
+    """
+    if feeds is None:
+        return np.full(count, np.inf)
+    found = np.asarray(feeds, dtype=float)
+    if found.shape != (count,) or not (found > 0).all():
+        raise InputError(f"RAPID: feeds is {found.shape}, expected ({count},) positive numbers")
+    return found
 
 
 def wrist_rows(q: Array, given: npt.NDArray[np.bool_] | None) -> npt.NDArray[np.bool_]:

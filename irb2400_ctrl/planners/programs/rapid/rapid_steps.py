@@ -109,7 +109,8 @@ def _move(
     before, row = way
     if before == row:
         return move("MoveAbsJ", target, "vApproach", "fine", names)
-    speed = _speeddata(rows.speeds[before:row])
+    feed = float(rows.feeds[before + 1 : row + 1].min())
+    speed = _speeddata(rows.speeds[before:row], feed)
     if names.options.state_time:
         speed += f"\\T:={rows.time[row] - rows.time[before]:.5f}"
     instruction = "MoveAbsJ" if rows.as_joints[row] else "MoveL"
@@ -148,10 +149,11 @@ def _largest_zone(way_in: Array, way_out: Array, corner: float) -> float:
     return max((zone for zone in ZONES_MM if zone <= limit), default=0.0)
 
 
-def _speeddata(speeds: Array) -> str:
-    """The planned peaks among rows (k, 2); a speed that is zero in the plan must not be zero for
-    the controller."""
+def _speeddata(speeds: Array, feed: float) -> str:
+    """The planned peaks among rows (k, 2), that of the TCP at most the feed [m/s]; a speed that is
+    zero in the plan must not be zero for the controller."""
     least = (0.1, 1.0, 1.0, 1.0)[: speeds.shape[1]]
     v, w, *external = np.maximum(speeds.max(axis=0), least)
+    v = min(v, 1e3 * feed)
     rail, turning = external or (5000.0, 1000.0)
     return f"[{v:.3f},{w:.3f},{rail:.6g},{turning:.6g}]"

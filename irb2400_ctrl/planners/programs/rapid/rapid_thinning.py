@@ -14,9 +14,9 @@ from irb2400_ctrl.planners.programs.rapid.linear_moves import LinearMoves, share
 from irb2400_ctrl.planners.programs.rapid.rapid_data import angle_between
 
 
-def rows_to_keep(*changes: npt.NDArray[np.bool_]) -> npt.NDArray[np.bool_]:
+def rows_to_keep(*changes: npt.NDArray[np.bool_] | Array) -> npt.NDArray[np.bool_]:
     """Rows that stay targets whatever the tolerance: ends, and the last one before what is stated
-    of the way to a row changes (pauses, `SingArea`, moves of the joints); each shape (n,)."""
+    of the way to a row changes (pauses, `SingArea`, moves of joints, feeds); each (n,)."""
     keep = np.zeros(len(changes[0]), dtype=bool)
     keep[[0, -1]] = True
     for of_rows in changes:

@@ -36,6 +36,12 @@ class Circles:
         self._angle: float | None = None
         self._line = 0
         self._more: Arc | None = None
+        self._swept = 0.0
+        """by the points so far of the arc that may go on [rad]"""
+        self._first = 0.0
+        """by the first of them [rad]"""
+        self._shorter = False
+        """no axis is stated: the arc goes the shorter way about z"""
         self._direction: Array | None = None
 
     @property
@@ -48,7 +54,8 @@ class Circles:
         self.none_open()
         place = self._builder.place
         values, times, angle = _values(statement, place)
-        if len(values) == 4:
+        self._shorter = len(values) == 4
+        if self._shorter:
             values = [*values[:3], 0.0, 0.0, 1.0, values[3]]
         wrong = len(values) < 6 or (len(values) > 6 and values[6] <= 0)
         if wrong or math.hypot(*values[3:6]) < 1e-6:
@@ -64,7 +71,11 @@ class Circles:
         self._line = statement.line
         if times > 1:
             self._builder.note("assumed", "TIMES,n: the arc ends in its n-th turn")
-        if self._dialect not in {NX, CREO} and statement.word == "CIRCLE":
+        if self._shorter:
+            self._builder.note(
+                "assumed", f"{statement.word}/ without i,j,k: the shorter way to the next point"
+            )
+        elif self._dialect not in {NX, CREO} and statement.word == "CIRCLE":
             self._builder.note("assumed", "CIRCLE/ turns right-handed about its axis")
 
     def close(self, position: Array, axis: Array | None, rapid: bool) -> None:
@@ -74,6 +85,11 @@ class Circles:
         self._arc = None
         if self._angle is not None:
             arc = self._fitting(arc, position, self._angle)
+        self._swept = arcs.sweep(arc, self._placement.here(), position)
+        if self._shorter and self._angle is None and self._swept > math.pi + ANGLE_ERROR:
+            arc = replace(arc, normal=-arc.normal)
+            self._swept = arcs.sweep(arc, self._placement.here(), position)
+        self._first = self._swept
         self._builder.arc(arc, position, axis=axis, rapid=rapid)
         self._more = arc if self._dialect == CREO else None
 
@@ -82,6 +98,16 @@ class Circles:
         if self._more is None or not self._on_circle(self._more, position):
             self._more = None
             return False
+        self._swept += arcs.sweep(self._more, self._placement.here(), position)
+        if self._swept > 2 * math.pi + ANGLE_ERROR:
+            self._more = None
+            if self._first < math.pi:
+                return False
+            raise InputError(
+                f"{self._builder.place}: the points of the arc of line {self._line} go round more "
+                "than once about its i,j,k by the right-hand rule; expected them in the order in "
+                "which they are passed, or i,j,k the other way"
+            )
         self._builder.arc(self._more, position, axis=axis, rapid=rapid)
         return True
 

@@ -26,7 +26,6 @@ class Motion:
         self._circles = Circles(builder, self._placement, dialect)
         self._nurbs = Nurbs(builder, self._placement)
         self._rapid = False
-        self._incremental = False
         self._cycle: HoleCycle | None = None
         self._last_cycle: Statement | None = None
         self._last_word = ""
@@ -81,9 +80,6 @@ class Motion:
     def _goto(self, statement: Statement) -> None:
         builder = self._builder
         position, axis = self._placement.point_and_axis(statement)
-        if self._incremental:
-            numbers = statement.numbers(builder.place)
-            position = self._placement.here() + self._placement.way(numbers[:3])
         rapid = self._take_rapid()
         if self._cycle is not None:
             if rapid:
@@ -170,15 +166,20 @@ class Motion:
     def _feed(self, statement: Statement) -> None:
         """A feed; it ends a RAPID before it."""
         builder = self._builder
+        words = statement.arguments
+        if "INVERS" in words and {"AUTO", "ON", "OFF"} & set(words) and len(words) == 2:
+            builder.note("ignored", "FEDRAT/INVERS: how the machine's code is to state the feeds")
+            return
         self._rapid = False
         builder.feed = units.feed(statement.arguments, builder.place, self._placement.unit)
 
     def _mode(self, statement: Statement) -> None:
-        words = set(statement.words)
-        if words & {"INCR", "INC"}:
-            self._incremental = True
-        elif words & {"ABSOL", "ABS"}:
-            self._incremental = False
+        """How the post-processor writes its code; points are absolute in both (Creo, ISO 4343)."""
+        if {"INCR", "INC"} & set(statement.words):
+            self._builder.note(
+                "assumed",
+                "MODE/INCR: the code of the machine is to be incremental; the points are absolute",
+            )
         else:
             self._builder.note("ignored", f"MODE/{' '.join(statement.words)}")
 

@@ -53,6 +53,10 @@ UNREADABLE = (
         re.compile(r"CYCLE\d+|MCALL|HOLES\d|POCKET\d|SLOT\d"),
         "cycles written as calls (Siemens) are not read; let the CAM system write the moves",
     ),
+    (
+        re.compile(r"^\s*O\s*(?:<[^<>]*>|\d+)\s*(?:END)?SUB\b"),
+        "a sub-program (LinuxCNC) that no line of the file calls; expected a program that does",
+    ),
     (SUBPROGRAM, "of o-words sub, call, while, do, repeat and if are read"),
     (
         re.compile(r"[#\[\]]|\bR\d+\s*=|=\s*R\d|\b(WHILE|IF|GOTO[FB]?|END\d)\b|^\$|DEF\b"),
@@ -100,9 +104,10 @@ REWRITTEN = (
         ),
         "",
     ),
-    # home, settings and questions of GRBL, but no jog ($J=…); the name of a program (Okuma)
+    # home, settings and questions of GRBL, but no jog ($J=…) and none of Siemens ($P_PFRAME=…); the
+    # name of a program (Okuma)
     (re.compile(r"^\s*\$H\s*(?=[;(]|$)", re.IGNORECASE), "G28 "),
-    (re.compile(r"^\s*(?:\$(?!J=)[\w$#.=-]+%?|\?)\s*(?=[;(]|$)", re.IGNORECASE), ""),
+    (re.compile(r"^\s*(?:\$(?!J=|[A-Z]+_)[\w$#.=-]+%?|\?)\s*(?=[;(]|$)", re.IGNORECASE), ""),
 )
 
 
@@ -228,6 +233,7 @@ def blocks(
             code = variables.resolve(code, f"{name}, line {line}")
             words, orders = _words(code, f"{name}, line {line}")
         except InputError as error:
+            variables.lost = True
             yield UnreadLineError(line, str(error))
             continue
         plane = tuple(part.strip() for part in swivelled[1].split(",")) if swivelled else None

@@ -14,6 +14,9 @@ _SIEMENS = re.compile(
     re.MULTILINE,
 )
 _SUFFIXES = {".mpf", ".spf"}
+_LINUXCNC = re.compile(
+    r"^\s*O\s*(?:<|\d+\s*(?:SUB|CALL|IF|WHILE|DO|REPEAT)\b)|#\s*<_", re.MULTILINE
+)
 
 
 def without_comments(text: str) -> str:
@@ -30,3 +33,9 @@ def is_siemens(text: str, name: str) -> bool:
     programs."""
     suffix = PurePath(name).suffix.lower()
     return suffix in _SUFFIXES or _SIEMENS.search(without_comments(text)) is not None
+
+
+def is_linuxcnc(text: str, name: str) -> bool:
+    """Whether only LinuxCNC reads such words, or the file is named as one of its programs."""
+    named = PurePath(name).suffix.lower() == ".ngc"
+    return named or _LINUXCNC.search(without_comments(text)) is not None

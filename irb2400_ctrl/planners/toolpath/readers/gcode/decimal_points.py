@@ -4,7 +4,11 @@ from __future__ import annotations
 
 import re
 
-from irb2400_ctrl.planners.toolpath.readers.gcode.control import is_siemens, without_comments
+from irb2400_ctrl.planners.toolpath.readers.gcode.control import (
+    is_linuxcnc,
+    is_siemens,
+    without_comments,
+)
 from irb2400_ctrl.planners.toolpath.readers.gcode.cycles import CYCLES
 
 _LENGTH = re.compile(r"(?<![A-Z#\d.])([XYZIJKR])\s*[-+]?(\d+\.?\d*|\.\d+)")
@@ -17,8 +21,8 @@ _COUNTS = frozenset("JK")
 
 def without_point(text: str, name: str) -> list[tuple[int, str]]:
     """The first line with a length without a point, and what is assumed of it; nothing where none
-    is, or the file is of a control of Siemens, on which X100 is always 100 mm."""
-    if is_siemens(text, name):
+    is, or the file is of a control of Siemens or LinuxCNC, on which X100 is always 100 mm."""
+    if is_siemens(text, name) or is_linuxcnc(text, name):
         return []
     code = without_comments(text)
     bare = 0

@@ -18,7 +18,7 @@ from irb2400_ctrl.planners.toolpath.readers.gcode.macros.variables import Variab
 
 Line = tuple[int, str]
 _O_WORD = re.compile(
-    r"^\s*(?:N\d+\s*)?O\s*(\d+|<\w+>)\s+"
+    r"^\s*(?:N\d+\s*)?O\s*(\d+|<[^<>]+>)\s+"
     r"(WHILE|ENDWHILE|DO|IF|ELSEIF|ELSE|ENDIF|REPEAT|ENDREPEAT|BREAK|CONTINUE)\b(.*)$",
     re.IGNORECASE,
 )
@@ -65,7 +65,8 @@ class Flow:
 
     def lines(self) -> Iterator[Line]:
         """Those that remain, in the order in which they are carried out. What cannot be steered
-        comes as an error in its line, and it goes on behind it.
+        comes as an error in its line, and it goes on behind it. Behind a line that could not be
+        read nothing is carried out again: a loop may have no end then.
 
         Raises:
             InputError: a loop without an end.
@@ -89,7 +90,7 @@ class Flow:
                 at += 1
                 continue
             if isinstance(follows, int):
-                at = follows
+                at = at + 1 if follows <= at and self._variables.lost else follows
                 continue
             yield number, raw if follows is None else follows
             at += 1

@@ -17,6 +17,8 @@ from irb2400_ctrl.planners.toolpath.readers.program_builder import ProgramBuilde
 
 STOPS = {0: "stop", 1: "optional stop", 60: "pallet change"}
 SUBPROGRAMS = {97, 98, 198}
+KEPT_MODES = {70, 71, 72, 73}
+"""M functions of LinuxCNC that keep G20, G91, F, … and bring them back"""
 BEGIN = re.compile(r"begin operation\s*:\s*(.*)", re.IGNORECASE)
 FINISH = re.compile(r"finish operation", re.IGNORECASE)
 TOOL_NAME = re.compile(r"TC\s*:\s*(.*)", re.IGNORECASE)
@@ -236,6 +238,11 @@ class GcodeMachine:
                 f"{builder.place}: M{function} calls a sub-program that is not in the file, or by "
                 "a line's number (P, Q, H); not read, put it into the file as O… or write out its "
                 "moves"
+            )
+        elif function in KEPT_MODES and self._state.linuxcnc:
+            raise InputError(
+                f"{builder.place}: M{function} keeps G20, G91, F and other modes or brings them "
+                "back (LinuxCNC); not read, write the codes out where they change"
             )
         elif function == 99:
             builder.note("assumed", "M99: the control begins again here; carried out once")

@@ -18,7 +18,7 @@ from irb2400_ctrl.planners.toolpath.readers.gcode.codes import (
     refuse_idle_words,
     without_owned,
 )
-from irb2400_ctrl.planners.toolpath.readers.gcode.control import is_siemens
+from irb2400_ctrl.planners.toolpath.readers.gcode.control import is_linuxcnc, is_siemens
 from irb2400_ctrl.planners.toolpath.readers.gcode.cycles import CYCLES
 from irb2400_ctrl.planners.toolpath.readers.gcode.decimal_points import without_point
 from irb2400_ctrl.planners.toolpath.readers.gcode.frames import GcodeFrames
@@ -57,8 +57,9 @@ def read_gcode(
     """
     turning = None if rotary is None else Rotary.of(rotary)
     siemens = is_siemens(text, name)
-    reader = _Reader(builder, units, turning, frames, siemens=siemens)
-    variables = Variables(siemens=siemens)
+    state = GcodeState(siemens=siemens, evenly=not siemens, linuxcnc=is_linuxcnc(text, name))
+    reader = _Reader(builder, state, units, turning, frames)
+    variables = Variables(siemens=siemens, linuxcnc=state.linuxcnc)
     lines, notes = in_order(text, name, variables)
     listed = list(blocks(lines, name, variables))
     reader.survey([block for block in listed if isinstance(block, Block)])
@@ -89,14 +90,13 @@ class _Reader:
     def __init__(
         self,
         builder: ProgramBuilder,
+        state: GcodeState,
         units: str | None,
         rotary: Rotary | None,
         frames: Mapping[str, Array] | None,
-        *,
-        siemens: bool,
     ) -> None:
         self._builder = builder
-        self._state = GcodeState(siemens=siemens, evenly=not siemens)
+        self._state = state
         if units is not None:
             self._state.unit = LENGTHS[units]
             self._state.feed_unit = LENGTHS[units]

@@ -37,6 +37,8 @@ class GcodeState:
     plane: int = 17
     siemens: bool = False
     """the control is one of Siemens"""
+    linuxcnc: bool = False
+    """it is LinuxCNC"""
     polar: bool = False
     """X is a radius and Y an angle about the zero (G16)"""
     absolute: bool = True

@@ -17,8 +17,8 @@ from irb2400_ctrl.planners.toolpath.readers.gcode.macros.variables import ENTER,
 
 _NUMBERED = re.compile(r"^\s*(?:/\s*)?[O:]\s*(\d+)\s*(?:$|[(<;])", re.IGNORECASE)
 _ARCHIVE = re.compile(r"^\s*%_N_(\w+)_(MPF|SPF)\b", re.IGNORECASE)
-_SUB = re.compile(r"^\s*O\s*(\d+|<\w+>)\s+SUB\b", re.IGNORECASE)
-_END_SUB = re.compile(r"^\s*O\s*(\d+|<\w+>)\s+ENDSUB\b", re.IGNORECASE)
+_SUB = re.compile(r"^\s*O\s*(\d+|<[^<>]+>)\s+SUB\b", re.IGNORECASE)
+_END_SUB = re.compile(r"^\s*O\s*(\d+|<[^<>]+>)\s+ENDSUB\b", re.IGNORECASE)
 _M98 = re.compile(r"M0*98(?!\d)", re.IGNORECASE)
 _P = re.compile(r"P\s*(\d+)", re.IGNORECASE)
 _L = re.compile(r"[LK]\s*(\d+)", re.IGNORECASE)
@@ -29,7 +29,7 @@ _LENGTH_OFFSET = re.compile(
 )
 # a cycle with steps or a way aside: its Q is none of M98
 _CYCLE_Q = re.compile(r"(G\s*0*(?:73|76|83|87)(?![\d.]).*?)Q\s*[-+]?[\d.]+", re.IGNORECASE)
-_O_CALL = re.compile(r"^\s*O\s*(\d+|<\w+>)\s+CALL\b(.*)", re.IGNORECASE)
+_O_CALL = re.compile(r"^\s*O\s*(\d+|<[^<>]+>)\s+CALL\b(.*)", re.IGNORECASE)
 _NAMED = re.compile(
     r'^\s*(?:N\d+\s*)?(?:CALL\s+"(\w+)"|([A-Z_]\w+))\s*(?:P\s*=?\s*(\d+))?\s*$', re.IGNORECASE
 )

@@ -28,13 +28,25 @@ _EQUALS = re.compile(r"([A-Z][A-Z0-9]*)\s*=\s*(?=[^=]*(?:\bR\d|\[|[-+*/]\s*[\d.(
 # what each sub-program of LinuxCNC has for itself
 _LOCAL = re.compile(r"[1-9]|[12]\d|30|<[^_]\w*>")
 MOST_ARGUMENTS = 30
+_OFFSETS = (
+    "moves a zero of the control (G54 to G59, G52, G92; where it only says before the first motion "
+    "where the part lies on the machine, delete the line)"
+)
+_ALARMS = {
+    3000: "stops the program with an alarm (Fanuc): what is behind it is not carried out",
+    3006: "waits for the operator (Fanuc); write M0",
+    3007: "mirrors (Fanuc)",
+}
 
 
 class Variables:
     """What the file has set so far."""
 
-    def __init__(self, *, siemens: bool = False) -> None:
+    def __init__(self, *, siemens: bool = False, linuxcnc: bool = False) -> None:
+        self.lost = False
+        """a line could not be read: what it sets is not known, and a loop may wait for it"""
         self._siemens = siemens
+        self._linuxcnc = linuxcnc
         self._known: dict[str, float] = {}
         self._callers: list[dict[str, float]] = []
         self._names: set[str] = set()
@@ -136,6 +148,8 @@ class Variables:
         while found := _SET.match(code) or self._name_set(code):
             reader = self._expression(code, found.end(), place)
             name = next(name for name in found.groups() if name)
+            if name.isdecimal() and (acts := self._acts(int(name))):
+                raise InputError(f"{place}: #{name}= {acts}; not read")
             self._known[name] = reader.sum()
             code = code[reader.at :]
             if re.search(rf"#\s*{name}(?!\d)", code):
@@ -144,6 +158,12 @@ class Variables:
                     "value from before it; expected two blocks"
                 )
         return code
+
+    def _acts(self, number: int) -> str:
+        """What setting this variable does on the control; empty where it only keeps a value."""
+        if 5201 <= number < 5400 or (7001 <= number < 7960 and not self._linuxcnc):
+            return _OFFSETS
+        return "" if self._linuxcnc else _ALARMS.get(number, "")
 
     def _name_set(self, code: str) -> re.Match[str] | None:
         found = _NAME_SET.match(code)
