@@ -90,7 +90,10 @@ ShareOption = Annotated[
     ),
 ]
 ToleranceOption = Annotated[
-    float, typer.Option(help="How far corners of the path may be cut.", min=1e-4)
+    float,
+    typer.Option(
+        help="How far corners of the path may be cut (max_tcp_deviation_mm bounds all).", min=1e-4
+    ),
 ]
 AxisToleranceOption = Annotated[
     float,
