@@ -167,3 +167,31 @@ def test_a_time_that_counts_by_one_may_count_rows(tmp_path: Path) -> None:
     assert 'unit = "ms"   # or it counts rows' in shown(written(tmp_path / "log.csv", columns))
     columns["Tick"] = 1e3 * T
     assert "counts rows" not in shown(written(tmp_path / "log.csv", columns))
+
+
+def test_counts_of_a_servo_begin_at_their_zero(tmp_path: Path) -> None:
+    """A servo that writes 2048 at its zero could not be said; its thousands were degrees."""
+    zeros = 2048 + np.arange(6)
+    columns = {"t": T, "pos_{j}": np.round(zeros + Q / (2 * np.pi) * 4096), "torque_{j}": TAU}
+    path = written(tmp_path / "log.csv", columns)
+    told = shown(path)
+    assert told.count("zero = nan") == told.count("factor = nan") == 1
+    told = told.replace("factor = nan", "factor = 0.000244140625")
+    (tmp_path / "map.toml").write_text(
+        told.replace("zero = nan", f"zero = {zeros.tolist()}"), "utf-8"
+    )
+    same(read_log(path, columns=tmp_path / "map.toml"), LOG, 1e-3)
+    (tmp_path / "map.toml").write_text(
+        '[[columns]]\nfile = "torque_{j}"\nquantity = "tau"\nunit = "Nm"\nzero = 1\n', "utf-8"
+    )
+    with pytest.raises(InputError, match="zero for tau, expected an angle"):
+        read_log(path, columns=tmp_path / "map.toml")
+
+
+def test_modes_and_outputs_of_a_controller_are_no_angles(tmp_path: Path) -> None:
+    """`joint_mode_{j0}`, 253 in all rows, was shown as another angle."""
+    columns = {"timestamp": T, "actual_q_{j0}": Q, "joint_mode_{j0}": 253 + 0 * Q}
+    columns |= {"joint_control_output_{j0}": TAU / 9, "actual_current_{j0}": TAU / 9}
+    told = shown(written(tmp_path / "log.csv", columns))
+    assert "joint_mode" not in told
+    assert "control_output" not in told

@@ -15,13 +15,14 @@ import numpy as np
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.measurement.columns.axis_letters import lettered
 from irb2400_ctrl.measurement.columns.column_map import TURN
+from irb2400_ctrl.measurement.columns.interleaved import interleaved, place_of
 from irb2400_ctrl.measurement.columns.joint_words import FEWEST, worded
 from irb2400_ctrl.measurement.columns.recorder_names import unit_by_step
 from irb2400_ctrl.measurement.columns.two_part_time import COUNTED, time_pair
 
 OTHERS = re.compile(
     r"acc|qdd|ddq|ddot|err|ext|grav|limit|temp(?!s)|volt|tcp|cart|wrench|jerk|collision|inertia|dist"
-    r"|power|pose(?![a-z])|dtau|tau_?dot|(?<!joint)(?<!joint_)(?<!axis_)force"
+    r"|power|pose(?![a-z])|dtau|tau_?dot|(?<!joint)(?<!joint_)(?<!axis_)force|mode(?!l)|control_output"
     r"|加速|温|電圧"
 )
 COMMANDED = re.compile(
@@ -68,7 +69,7 @@ NAMED = "{name}"
 MOST_JOINTS = 16
 DEGREES = 7.0
 """an angle beyond this is hardly in radians"""
-COUNTS = 3600.0
+COUNTS = 720.0
 """whole numbers beyond this are hardly degrees"""
 NEEDED = "and a log needs them (of signals in files of their own, put the columns into one)"
 ALONE = (
@@ -91,16 +92,7 @@ def suggested_map(columns: Mapping[str, Array], joints: Sequence[str] | None = N
         columns: of the file, by name.
         joints: names of the robot's joints in their order, where they are known.
     """
-    patterns = _patterns(columns, joints or ())
-    chosen: dict[str, tuple[int, bool, int, str]] = {}
-    rivals: dict[str, list[str]] = {}
-    for pattern in patterns:
-        quantity, told = _quantity(pattern)
-        rivals.setdefault(quantity, []).append(pattern)
-        # torques before currents, the joint's side before the motor's
-        doubt = re.search(rf"{AMPERE.pattern}|{MOTOR.pattern}", pattern.lower()) is not None
-        if quantity and (told, doubt, len(pattern)) < chosen.get(quantity, (3, False, 0, ""))[:3]:
-            chosen[quantity] = (told, doubt, len(pattern), pattern)
+    patterns, rivals, chosen = _choices(columns, joints or ())
     if "tau" not in chosen and {"q", "q_ref"} & chosen.keys():
         return f"; no columns are called as measured torques or currents are, {NEEDED}"
     if "tau" in chosen and not {"q", "q_ref"} & chosen.keys():
@@ -134,6 +126,41 @@ def suggested_map(columns: Mapping[str, Array], joints: Sequence[str] | None = N
         ". A column map for it (--columns map.toml); quantities and units are guessed, check "
         "them:\n\n" + "\n".join(lines)
     )
+
+
+def _choices(
+    columns: Mapping[str, Array], joints: Sequence[str]
+) -> tuple[dict[str, list[str]], dict[str, list[str]], dict[str, tuple[int, bool, int, str]]]:
+    """The forms of names and their columns, the forms of each quantity, and the best of these with
+    its rank.
+
+    Args:
+        columns: of the file, by name; joints: names of the robot's.
+    """
+    lists = interleaved(columns, _row(columns))
+    places = {name for one in lists.values() for names in one for name in names}
+    patterns = _patterns({n: v for n, v in columns.items() if n not in places}, joints)
+    chosen: dict[str, tuple[int, bool, int, str]] = {}
+    rivals: dict[str, list[str]] = {}
+    for pattern in patterns:
+        quantity, told = _quantity(pattern)
+        rivals.setdefault(quantity, []).append(pattern)
+        # torques before currents, the joint's side before the motor's
+        doubt = re.search(rf"{AMPERE.pattern}|{MOTOR.pattern}", pattern.lower()) is not None
+        if quantity and (told, doubt, len(pattern)) < chosen.get(quantity, (3, False, 0, ""))[:3]:
+            chosen[quantity] = (told, doubt, len(pattern), pattern)
+    for name, signals in lists.items():
+        words = name.lower()
+        commanded = COMMANDED.search(words) and not MEASURED.search(words)
+        # what a command holds beside angles is seldom more than zeros
+        for k, quantity in enumerate(
+            ("q_ref",) if commanded else ("q", "qd", "tau")[: len(signals)]
+        ):
+            form = place_of(name, len(signals), k)
+            patterns[form] = signals[k]
+            rivals.setdefault(quantity, []).append(form)
+            chosen.setdefault(quantity, (0, False, 0, form))
+    return patterns, rivals, chosen
 
 
 def _patterns(columns: Mapping[str, Array], joints: Sequence[str]) -> dict[str, list[str]]:
@@ -262,6 +289,14 @@ def _time(columns: Mapping[str, Array], rows: int) -> list[str]:
     return ["[time]", "rate_Hz = nan   # samples a second: no column is called as a time is", ""]
 
 
+def _row(columns: Mapping[str, Array]) -> float:
+    """Time from one row to the next [s]; 0 where no column is called as a time is."""
+    for name, values in columns.items():
+        if len(values) > 1 and TIME.fullmatch(name.lower()):
+            return (unit_by_step(values) or 1.0) * float(np.median(np.diff(values)))
+    return 0.0
+
+
 def _entry(quantity: str, pattern: str, names: Sequence[str], size: str) -> list[str]:
     """One table of the map; one for each joint where a name stands in the place of a number."""
     told = [f'quantity = "{quantity}"', *_unit(quantity, pattern.lower(), size), ""]
@@ -284,7 +319,8 @@ def _unit(quantity: str, words: str, size: str) -> list[str]:
         return [f'unit = "{"rpm" if quantity == "qd" else "rev"}"', *motor]
     stated = re.search(DEGREE_OR_RAD, words)
     if re.search(PULSES, words) or (stated is None and size == "counts"):
-        return ['unit = "rev"', "factor = nan   # turns of the joint a pulse, signed"]
+        zero = "zero = nan   # pulses where the joint is at zero: half a turn of most servos"
+        return ['unit = "rev"', "factor = nan   # turns of the joint a pulse, signed", zero]
     in_degrees = size == "deg" if stated is None else stated[0] != "rad"
     return [f'unit = "{UNITS[quantity][in_degrees]}"', *motor * bool(MOTOR.search(words))]
 

@@ -10,6 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.measurement.columns.angle_zero import from_zero
 from irb2400_ctrl.measurement.columns.clock import Clock
 from irb2400_ctrl.measurement.columns.column_map import TIME, ColumnMap
 from irb2400_ctrl.measurement.columns.guessed_places import guessed_places
@@ -97,7 +98,7 @@ def understood(
             shown = suggested_map(given_columns, names) or guessed_places(given_columns, names)
             raise InputError(f"{told}{shown}") from error
     else:
-        table = unwrapped(with_time(table, given), given)
+        table = unwrapped(from_zero(with_time(table, given), given), given)
         time, found, scales = _by_map(table, given)
         n = _joints(table, found, joints)
     return Understood(table, time, found, scales, n)
