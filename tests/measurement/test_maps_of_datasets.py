@@ -195,3 +195,35 @@ def test_modes_and_outputs_of_a_controller_are_no_angles(tmp_path: Path) -> None
     told = shown(written(tmp_path / "log.csv", columns))
     assert "joint_mode" not in told
     assert "control_output" not in told
+
+
+def test_a_joints_signal_with_a_word_of_its_own_comes_behind_its_angle(tmp_path: Path) -> None:
+    """`Joint_Spd_{j}`, in deg/s, was shown as the angle: its name is shorter than `Joint_Angle`."""
+    columns = {"t": T, "Joint_Angle_{j}": Q, "Joint_Spd_{j}": SPEED, "Joint_Torq_{j}": TAU}
+    path = written(tmp_path / "log.csv", columns | {"Joint_Foo_{j}": 0 * Q})
+    told = shown(path)
+    found = read_log(path, columns=tmp_path / "map.toml")
+    same(found, LOG)
+    np.testing.assert_allclose(found.qd, SPEED, atol=1e-8)
+    assert "of the same kind by its name: Joint_Foo_{j}\n" in told
+
+
+def test_mot_is_the_motors_side(tmp_path: Path) -> None:
+    columns = {"t": T, "mot_pos_{j}": 101 * Q, "jnt_pos_{j}": Q, "mot_trq_{j}": TAU / 101}
+    path = written(tmp_path / "log.csv", columns | {"jnt_trq_{j}": TAU})
+    shown(path)
+    same(read_log(path, columns=tmp_path / "map.toml"), LOG)
+    del columns["jnt_pos_{j}"]
+    assert shown(written(path, columns)).count("gear_ratio = nan") == 2
+
+
+def test_forces_of_joints_are_torques_and_load_factors_none(tmp_path: Path) -> None:
+    """`jntForce` was another thing, and a load factor in per cent a torque; a current in per cent
+    was one in amperes."""
+    path = tmp_path / "log.csv"
+    shown(written(path, {"時刻": T, "jntPos{j}": Q, "jntForce{j}": TAU, "current{j}": TAU / 9}))
+    same(read_log(path, columns=tmp_path / "map.toml"), LOG)
+    columns = {"t": T, "J{j} Encoder value[rad]": Q, "J{j} Load factor[%]": 0 * TAU}
+    columns |= {"J{j} Motor current value[%]": TAU / 3}
+    told = shown(written(path, columns))
+    assert 'file = "J{j} Motor current value[%]"\nquantity = "tau"\nunit = "percent"' in told
