@@ -213,6 +213,8 @@ def test_mot_is_the_motors_side(tmp_path: Path) -> None:
     path = written(tmp_path / "log.csv", columns | {"jnt_trq_{j}": TAU})
     shown(path)
     same(read_log(path, columns=tmp_path / "map.toml"), LOG)
+    drives = {"t": T, "mpos{j0}": 12 * Q, "jpos{j0}": Q, "tau{j0}": TAU}
+    assert 'file = "jpos{j0}"' in shown(written(path, drives))
     del columns["jnt_pos_{j}"]
     assert shown(written(path, columns)).count("gear_ratio = nan") == 2
 
@@ -227,3 +229,21 @@ def test_forces_of_joints_are_torques_and_load_factors_none(tmp_path: Path) -> N
     columns |= {"J{j} Motor current value[%]": TAU / 3}
     told = shown(written(path, columns))
     assert 'file = "J{j} Motor current value[%]"\nquantity = "tau"\nunit = "percent"' in told
+
+
+def test_gains_differences_and_forces_of_a_model_are_no_joint_signals(tmp_path: Path) -> None:
+    """The bias of a simulator, gravity and Coriolis, was the torque; gains were angles."""
+    columns = {"time": T, "qpos[{j0}]": Q, "qfrc_actuator[{j0}]": TAU, "qfrc_bias[{j0}]": 0 * TAU}
+    columns |= {"qfrc_passive[{j0}]": 0 * TAU, "kp.joint{j}": 5 + 0 * Q, "Axis{j}.PosDiff": 0 * Q}
+    path = written(tmp_path / "log.csv", columns)
+    assert "of the same kind" not in shown(path)
+    same(read_log(path, columns=tmp_path / "map.toml"), LOG)
+
+
+def test_names_in_korean(tmp_path: Path) -> None:
+    columns = {"시간": T, "관절{j}_각도": Q, "관절{j}_속도": SPEED, "관절{j}_온도": 30 + 0 * Q}
+    path = written(tmp_path / "log.csv", columns | {"관절{j}_토크": TAU, "관절{j}_전류": TAU / 9})
+    assert "of the same kind by its name: 관절{j}_전류\n" in shown(path)
+    found = read_log(path, columns=tmp_path / "map.toml")
+    same(found, LOG)
+    np.testing.assert_allclose(found.qd, SPEED, atol=1e-8)

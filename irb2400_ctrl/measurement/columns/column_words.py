@@ -7,7 +7,8 @@ import re
 OTHERS = re.compile(
     r"acc|qdd|ddq|ddot|err|ext|grav|limit|temp(?!s)|volt|tcp|cart|wrench|jerk|collision|inertia|dist"
     r"|power|pose(?![a-z])|dtau|tau_?dot|(?<!joint)(?<!joint_)(?<!jnt)(?<!jnt_)(?<!axis_)force"
-    r"|mode(?!l)|control_output|load.?(?:factor|rate|ratio)|加速|温|電圧|負荷率|负载率"
+    r"|mode(?!l)|control_output|load.?(?:factor|rate|ratio)|bias|passive|constraint|diff"
+    r"|(?<![a-z])k[pid](?![a-z])|加速|温|電圧|負荷率|负载率|온도|전압|가속"
 )
 COMMANDED = re.compile(
     r"ref|cmd|comm|action|target|des|goal|set|soll|plan(?!e)|nominal|comput|aspos|[a-z]_d(?![a-z])"
@@ -15,7 +16,8 @@ COMMANDED = re.compile(
 )
 MEASURED = re.compile(r"act(?!uator|ion)|meas|msr|mes|real|(?<!wr)ist|fb|feed|state")
 TORQUE = (
-    r"tau|τ|torq|trq|tq|mom|qfrc|(?<![a-z])(tor|couple|coppia|par)(?![a-z])|トルク|扭矩|力矩|转矩"
+    r"tau|τ|torq|trq|tq|mom|qfrc|(?<![a-z])(tor|couple|coppia|par)(?![a-z])"
+    r"|トルク|扭矩|力矩|转矩|토크"
 )
 NEWTON_METRES = r"(?<![a-z])(?:[km]?n[ ·⋅.*-]?m|ncm)(?![a-z])"
 TURNS = r"(?<![a-z])(rev|revs|turns|umdrehungen)(?![a-z/])"
@@ -23,25 +25,26 @@ TURNS_A_MINUTE = r"rpm|/min|min-(?=\W*$)"
 DEGREE_OR_RAD = r"deg|°(?!c)|(?<!g)rad(?!i(?!an))|grad(?!i)"
 PULSES = r"puls|counts"
 CURRENT = (
-    r"cur(?!rent_as_torque)|(?<![a-z])(courant|corrente|corriente|i_?q)(?![a-z])|電流|电流"
+    r"cur(?!rent_as_torque)|(?<![a-z])(courant|corrente|corriente|i_?q)(?![a-z])|電流|电流|전류"
     r"|(?<![a-z])i(?=_?(act|targ|meas))"
 )
 ANGLE = (
-    r"pos|ang|(?<!e)q|theta|θ|rax|winkel|^([aj]|jt|mp)\W*$|state\W*$|角"
+    r"pos|ang|(?<!e)q|theta|θ|rax|winkel|^([aj]|jt|mp)\W*$|state\W*$|角|각도|위치"
     rf"|{DEGREE_OR_RAD}|{TURNS}|{PULSES}"
 )
-OF_A_JOINT = r"joint|jnt|axis|achse|(?<![a-z])(axe|asse|eje)(?![a-z])|軸|轴|关节|関節"
+OF_A_JOINT = r"joint|jnt|axis|achse|(?<![a-z])(axe|asse|eje)(?![a-z])|軸|轴|关节|関節|관절"
 """a joint's signal whose own word is not known may be its angle"""
 QUANTITIES = {
     "tau": rf"{TORQUE}|{CURRENT}|(?<!co)eff|load|force|(?<![a-z])m_?(?=act|targ)|^m?t\W*$"
     rf"|(?<![a-z])u(?![a-z])|{NEWTON_METRES}",
-    "qd": r"vel|speed|spd|dot|dq|dtheta|qd|qv|qp(?!os)|omega|ω|geschw|vitesse|速度"
+    "qd": r"vel|speed|spd|dot|dq|dtheta|qd|qv|qp(?!os)|omega|ω|geschw|vitesse|速度|속도"
     rf"|(?:deg|rad|°)(?:/|p|_|_per_)s|{TURNS_A_MINUTE}",
     "q": rf"{ANGLE}|{OF_A_JOINT}",
 }
 """what a name means, asked in this order"""
 TIME = re.compile(
-    r"(.*[^a-z])?(times?|ts|t|tm|tout|time_?stamps?|stamp|zeit|zeitstempel|tick|ipoc|sec|temps|tempo|tiempo|時間|时间|時刻|时刻)"
+    r"(.*[^a-z])?(times?|ts|t|tm|tout|time_?stamps?|stamp|zeit|zeitstempel|tick|ipoc|sec|temps|tempo"
+    r"|tiempo|時間|时间|時刻|时刻|시간)"
     r"([^a-z].*)?"
 )
 BARE = re.compile(r"\W*(a|j|jt)?\W*")
@@ -50,7 +53,7 @@ AMPERE = re.compile(rf"{CURRENT}|(?<![a-z])(amp|amps|ampere|amperes)(?![a-z])")
 """words of a current"""
 SURELY = re.compile(rf"{TORQUE}|nm")
 """words of what is none"""
-MOTOR = re.compile(r"moto|moteur|resolver|rotor|(?<![a-z])mot(?![a-z])")
+MOTOR = re.compile(r"moto|moteur|resolver|rotor|(?<![a-z])(mot(?![a-z])|m(?=pos|vel))")
 """words of what may be on the motor's side"""
 
 
