@@ -1,4 +1,4 @@
-"""CSV in the dialects that loggers write: comma, semicolon, tab or blanks, decimal comma, byte
+"""CSV in the dialects that loggers write: comma, semicolon, tab, bar or blanks, decimal comma, byte
 order mark or a code page of Windows, comment lines before the header or the header itself as one, a
 line of units below it, times of day, gzip."""
 

@@ -26,10 +26,9 @@ def read_ros_table(
 ) -> Table:
     """Joint states of a bag, time from their headers.
 
-    Positions are `q1_rad`…, speeds `qd1_rad_s`…, efforts `tau1_Nm`…, as the message defines them,
-    and again by name: `elbow_joint.position`, `.velocity`, `.effort` (for column maps: a driver
-    may send currents as effort). Joint 1 is the first of `joints`; messages order them as they
-    like, many by the alphabet.
+    By name: `elbow_joint.position`, `.velocity`, `.effort`; for column maps (a driver may send
+    currents as effort) also as `q1_rad`…, `qd1_rad_s`…, `tau1_Nm`… Joint 1 is the first of
+    `joints`; messages order them as they like, many by the alphabet.
 
     Args:
         joints: the robot's names of its joints. Joints that are not the robot's, and messages
@@ -83,7 +82,8 @@ def joint_state_table(
     for place, (column, word) in enumerate(FIELDS):
         if all(len(m[2][place]) == len(names) for m in messages):
             values = np.array([m[2][place] for m in messages])
-            columns |= {column.format(j + 1): values[:, k] for j, k in enumerate(order)}
+            if not ordered:
+                columns |= {column.format(j + 1): values[:, k] for j, k in enumerate(order)}
             columns |= {f"{name}.{word}": values[:, k] for k, name in enumerate(names)}
     return one_length(path, columns)
 

@@ -103,6 +103,8 @@ LAYOUTS = {
     "doubled rows": table(PLAIN, *(np.repeat(column, 2, axis=0) for column in (T, Q, TAU))),
     "with an index": table(["", *PLAIN], np.arange(len(T)), T, Q, TAU),
     "copies": table(["time_s", *PLAIN], T, T, Q, TAU),
+    "bars": table(PLAIN, T, Q, TAU, separator="|"),
+    "bars in a title": "UR10 | cell 4 | Monday\n" + table(PLAIN, T, Q, TAU),
 }
 
 

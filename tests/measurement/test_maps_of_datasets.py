@@ -167,3 +167,83 @@ def test_a_time_that_counts_by_one_may_count_rows(tmp_path: Path) -> None:
     assert 'unit = "ms"   # or it counts rows' in shown(written(tmp_path / "log.csv", columns))
     columns["Tick"] = 1e3 * T
     assert "counts rows" not in shown(written(tmp_path / "log.csv", columns))
+
+
+def test_counts_of_a_servo_begin_at_their_zero(tmp_path: Path) -> None:
+    """A servo that writes 2048 at its zero could not be said; its thousands were degrees."""
+    zeros = 2048 + np.arange(6)
+    columns = {"t": T, "pos_{j}": np.round(zeros + Q / (2 * np.pi) * 4096), "torque_{j}": TAU}
+    path = written(tmp_path / "log.csv", columns)
+    told = shown(path)
+    assert told.count("zero = nan") == told.count("factor = nan") == 1
+    told = told.replace("factor = nan", "factor = 0.000244140625")
+    (tmp_path / "map.toml").write_text(
+        told.replace("zero = nan", f"zero = {zeros.tolist()}"), "utf-8"
+    )
+    same(read_log(path, columns=tmp_path / "map.toml"), LOG, 1e-3)
+    (tmp_path / "map.toml").write_text(
+        '[[columns]]\nfile = "torque_{j}"\nquantity = "tau"\nunit = "Nm"\nzero = 1\n', "utf-8"
+    )
+    with pytest.raises(InputError, match="zero for tau, expected an angle"):
+        read_log(path, columns=tmp_path / "map.toml")
+
+
+def test_modes_and_outputs_of_a_controller_are_no_angles(tmp_path: Path) -> None:
+    """`joint_mode_{j0}`, 253 in all rows, was shown as another angle."""
+    columns = {"timestamp": T, "actual_q_{j0}": Q, "joint_mode_{j0}": 253 + 0 * Q}
+    columns |= {"joint_control_output_{j0}": TAU / 9, "actual_current_{j0}": TAU / 9}
+    told = shown(written(tmp_path / "log.csv", columns))
+    assert "joint_mode" not in told
+    assert "control_output" not in told
+
+
+def test_a_joints_signal_with_a_word_of_its_own_comes_behind_its_angle(tmp_path: Path) -> None:
+    """`Joint_Spd_{j}`, in deg/s, was shown as the angle: its name is shorter than `Joint_Angle`."""
+    columns = {"t": T, "Joint_Angle_{j}": Q, "Joint_Spd_{j}": SPEED, "Joint_Torq_{j}": TAU}
+    path = written(tmp_path / "log.csv", columns | {"Joint_Foo_{j}": 0 * Q})
+    told = shown(path)
+    found = read_log(path, columns=tmp_path / "map.toml")
+    same(found, LOG)
+    np.testing.assert_allclose(found.qd, SPEED, atol=1e-8)
+    assert "of the same kind by its name: Joint_Foo_{j}\n" in told
+
+
+def test_mot_is_the_motors_side(tmp_path: Path) -> None:
+    columns = {"t": T, "mot_pos_{j}": 101 * Q, "jnt_pos_{j}": Q, "mot_trq_{j}": TAU / 101}
+    path = written(tmp_path / "log.csv", columns | {"jnt_trq_{j}": TAU})
+    shown(path)
+    same(read_log(path, columns=tmp_path / "map.toml"), LOG)
+    drives = {"t": T, "mpos{j0}": 12 * Q, "jpos{j0}": Q, "tau{j0}": TAU}
+    assert 'file = "jpos{j0}"' in shown(written(path, drives))
+    del columns["jnt_pos_{j}"]
+    assert shown(written(path, columns)).count("gear_ratio = nan") == 2
+
+
+def test_forces_of_joints_are_torques_and_load_factors_none(tmp_path: Path) -> None:
+    """`jntForce` was another thing, and a load factor in per cent a torque; a current in per cent
+    was one in amperes."""
+    path = tmp_path / "log.csv"
+    shown(written(path, {"時刻": T, "jntPos{j}": Q, "jntForce{j}": TAU, "current{j}": TAU / 9}))
+    same(read_log(path, columns=tmp_path / "map.toml"), LOG)
+    columns = {"t": T, "J{j} Encoder value[rad]": Q, "J{j} Load factor[%]": 0 * TAU}
+    columns |= {"J{j} Motor current value[%]": TAU / 3}
+    told = shown(written(path, columns))
+    assert 'file = "J{j} Motor current value[%]"\nquantity = "tau"\nunit = "percent"' in told
+
+
+def test_gains_differences_and_forces_of_a_model_are_no_joint_signals(tmp_path: Path) -> None:
+    """The bias of a simulator, gravity and Coriolis, was the torque; gains were angles."""
+    columns = {"time": T, "qpos[{j0}]": Q, "qfrc_actuator[{j0}]": TAU, "qfrc_bias[{j0}]": 0 * TAU}
+    columns |= {"qfrc_passive[{j0}]": 0 * TAU, "kp.joint{j}": 5 + 0 * Q, "Axis{j}.PosDiff": 0 * Q}
+    path = written(tmp_path / "log.csv", columns)
+    assert "of the same kind" not in shown(path)
+    same(read_log(path, columns=tmp_path / "map.toml"), LOG)
+
+
+def test_names_in_korean(tmp_path: Path) -> None:
+    columns = {"시간": T, "관절{j}_각도": Q, "관절{j}_속도": SPEED, "관절{j}_온도": 30 + 0 * Q}
+    path = written(tmp_path / "log.csv", columns | {"관절{j}_토크": TAU, "관절{j}_전류": TAU / 9})
+    assert "of the same kind by its name: 관절{j}_전류\n" in shown(path)
+    found = read_log(path, columns=tmp_path / "map.toml")
+    same(found, LOG)
+    np.testing.assert_allclose(found.qd, SPEED, atol=1e-8)

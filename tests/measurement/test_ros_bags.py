@@ -136,6 +136,19 @@ def test_joints_and_messages_of_others_are_left_aside(tmp_path: Path) -> None:
         read_log(path)
 
 
+def test_a_signal_of_the_arm_is_not_kept_aside_as_well(tmp_path: Path) -> None:
+    """All angles and torques stood in the log twice, and `log check` listed them as others."""
+    log = made()
+    path = bag(tmp_path / "a.db3", log, [f"{name}_joint" for name in UR])
+    assert not read_log(path, names=UR).extra
+    assert not read_log(path).extra
+    text = '[[columns]]\nfile = "q{j}_rad"\nquantity = "q"\nunit = "rad"\n'
+    text += '[[columns]]\nfile = "tau{j}_Nm"\nquantity = "tau"\nunit = "A"\nNm_per_A = 2.0\n'
+    (tmp_path / "map.toml").write_text(text)
+    found = read_log(path, columns=tmp_path / "map.toml")
+    np.testing.assert_allclose(found.tau, 2.0 * log.tau)
+
+
 def test_numbered_joints_need_no_names(tmp_path: Path) -> None:
     log = made()
     order = [3, 0, 5, 1, 4, 2]

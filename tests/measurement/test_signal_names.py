@@ -96,6 +96,22 @@ def test_a_table_without_units_is_refused_and_read_by_a_map(tmp_path: Path) -> N
         read_log(path)
 
 
+@pytest.mark.parametrize(
+    ("bare", "told"),
+    [("J# torque", r"'J1 torque' has no unit, expected 'J1 torque \[Nm\]'"), ("J#_raw", "found")],
+)
+def test_the_unit_that_is_missed_is_that_of_the_signal(
+    bare: str, told: str, tmp_path: Path
+) -> None:
+    """A torque was to be called `J1 torque [deg]`, and counts beside angles degrees."""
+    names = ["Time [ms]", *(f"J{j} [deg]" for j in JOINTS)]
+    names += [bare.replace("#", str(j)) for j in JOINTS]
+    path = written(tmp_path / "a.csv", names, degrees(made()), separator=",", comma=False)
+    with pytest.raises(InputError, match=told) as refused:
+        read_log(path)
+    assert "[deg]'" not in str(refused.value)
+
+
 def test_angles_of_motors_are_read_through_the_gear_ratio(tmp_path: Path) -> None:
     log = made()
     ratios = np.array([-101.0, 120.5, 99.0, -60.0, 80.0, 50.0])

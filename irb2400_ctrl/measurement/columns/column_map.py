@@ -13,8 +13,8 @@ Nm_per_A = 0.62
 gear_ratio = -101.0
 
 One entry may stand for the columns of all joints: `{j}` in its name counts them from 1, `{j0}` from
-0, `{j+7}` from 8 (with `joints`, where further columns go on counting), and what differs among them
-is a list.
+0, `{j+7}` from 8, `{3j-2}` is 1, 4, 7… (with `joints`, where further columns go on counting), and
+what differs among them is a list.
 
 [[columns]]
 file = "actual_current_{j0}"
@@ -87,8 +87,8 @@ class TimeColumn(Table):
 
 Number = Annotated[float, Field(allow_inf_nan=False)]
 Numbers = Number | tuple[Number, ...]
-_COUNTS = re.compile(r"\{j(0|\+\d+)?\}")
-PER_JOINT = ("gear_ratio", "Nm_per_A", "full_scale_Nm", "factor", "sign")
+_COUNTS = re.compile(r"\{([1-9]\d?)?j(0|[+-]\d+)?\}")
+PER_JOINT = ("gear_ratio", "Nm_per_A", "full_scale_Nm", "zero", "factor", "sign")
 
 
 class Column(Table):
@@ -96,11 +96,12 @@ class Column(Table):
 
     Args:
         file: its name there; quantity: q, qd, tau or q_ref; joint: from 1, left out where the name
-            holds `{j}`, `{j0}` or `{j+1}`…; joints: how many it stands for, default as many as the
-            file has columns of that name.
+            holds `{j}`, `{j0}`, `{j+1}`, `{2j}`…; joints: how many it stands for, default as many
+            as the file has columns of that name.
         unit: of `UNITS`.
         gear_ratio: of a column on the motor's side (motor turns per joint turn, signed).
         Nm_per_A: of a current at the motor; full_scale_Nm: of a torque in per cent.
+        zero: of an angle, what the file writes where the joint is at zero.
         factor: anything else; sign: 1 or -1.
         wrapped: of an angle that jumps by a whole turn.
     """
@@ -113,6 +114,7 @@ class Column(Table):
     gear_ratio: Numbers = 1.0
     Nm_per_A: Numbers | None = None
     full_scale_Nm: Numbers | None = None
+    zero: Numbers = 0.0
     factor: Numbers = 1.0
     sign: Literal[1, -1] | tuple[Literal[1, -1], ...] = 1
     wrapped: bool = False
@@ -122,8 +124,11 @@ class Column(Table):
         known = UNITS[self.quantity]
         if self.unit not in known:
             raise ValueError(f"unit {self.unit!r}, expected one of {', '.join(known)}")
-        if self.wrapped and self.quantity not in {"q", "q_ref"}:
-            raise ValueError(f"wrapped = true for {self.quantity}, expected an angle")
+        if self.quantity not in {"q", "q_ref"}:
+            if self.wrapped:
+                raise ValueError(f"wrapped = true for {self.quantity}, expected an angle")
+            if any(_each(self.zero)):
+                raise ValueError(f"zero for {self.quantity}, expected an angle")
         if self.unit == "A" and self.Nm_per_A is None:
             raise ValueError("a current needs Nm_per_A, the torque constant of the motor")
         if self.unit == "percent" and self.full_scale_Nm is None:
@@ -147,7 +152,8 @@ class Column(Table):
         """The column of a joint."""
 
         def place(found: re.Match[str]) -> str:
-            return str(joint - 1 if found[1] == "0" else joint + int(found[1] or 0))
+            step = int(found[1] or 1)
+            return str(step * (joint - 1) if found[2] == "0" else step * joint + int(found[2] or 0))
 
         return _COUNTS.sub(place, self.file)
 

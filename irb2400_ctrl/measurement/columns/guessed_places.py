@@ -15,24 +15,23 @@ from typing import NamedTuple
 
 import numpy as np
 
-from irb2400_ctrl.arrays import Array, Mask
+from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.measurement.columns.rates import (
+    ALIKE,
+    GOES_WITH,
+    LEAST,
+    STILL,
+    WIDTH,
+    correlation,
+    rates,
+)
 from irb2400_ctrl.measurement.columns.recorder_names import unit_by_step
 from irb2400_ctrl.measurement.columns.suggested_map import DEGREES
 
 MOST_ROWS = 20_000
 """that are looked at"""
-WIDTH = 8
-"""rows over which changes are taken"""
 STRAIGHT = 0.01
 """of its span, that a time may be off the straight line"""
-GOES_WITH = 0.9
-"""correlation of a change and its rate"""
-ALIKE = 1.5
-"""most that the ratios of joints differ by: of a speed they are one, of friction not"""
-STILL = 1e-3
-"""travel of a joint that is at rest"""
-LEAST = 3
-"""joints that must move"""
 SMOOTHER = 5.0
 """times that angles are smoother than torques"""
 EXPLAINED = 0.5
@@ -124,24 +123,22 @@ def _rates(table: Array, n: int, clock: int | None) -> Blocks | None:
 def _pairs(table: Array, n: int, clock: int | None) -> list[tuple[int, int, float]]:
     """Where blocks of n columns begin whose changes go with the n columns of another one, where
     that begins, and the change in a row over its rate."""
-    changes = table[WIDTH:] - table[:-WIDTH]
-    sums = np.cumsum(table, axis=0)
-    rates = sums[WIDTH:] - sums[:-WIDTH]
-    moves = np.ptp(table, axis=0) > STILL
+    known = rates(table)
     if clock is not None:
-        moves[clock] = False
-    goes = _correlation(changes, rates, moves)
-    power = np.sum(rates**2, axis=0)
+        known.moves[clock] = False
+    goes = correlation(known)
+    power = np.sum(known.sums**2, axis=0)
     starts = range(table.shape[1] - n + 1)
     pairs = []
     for angle in starts:
-        inside = np.flatnonzero(moves[angle : angle + n])
+        inside = np.flatnonzero(known.moves[angle : angle + n])
         if len(inside) < LEAST or (clock is not None and angle <= clock < angle + n):
             continue
         for speed in starts:
             apart = abs(speed - angle) >= n
             if apart and goes[angle + inside, speed + inside].min() > GOES_WITH:
-                products = np.sum(changes[:, angle + inside] * rates[:, speed + inside], axis=0)
+                changes = known.changes[:, angle + inside]
+                products = np.sum(changes * known.sums[:, speed + inside], axis=0)
                 ratios = products / power[speed + inside]
                 if ratios.max() < ALIKE * ratios.min():
                     pairs.append((angle, speed, float(np.median(ratios))))
@@ -180,14 +177,6 @@ def _explained(q: Array, tau: Array) -> float:
     basis = np.hstack(columns)
     left = wanted - basis @ np.linalg.lstsq(basis, wanted, rcond=None)[0]
     return float(np.median(1.0 - np.var(left, axis=0) / np.var(wanted, axis=0)))
-
-
-def _correlation(changes: Array, rates: Array, moves: Mask) -> Array:
-    """Of the changes of each column with the rates of each, shape (k, k); 0 where one is still."""
-    a = (changes - changes.mean(axis=0)) * moves
-    b = (rates - rates.mean(axis=0)) * moves
-    size = np.outer(np.linalg.norm(a, axis=0), np.linalg.norm(b, axis=0))
-    return np.asarray(a.T @ b / np.where(size > 0.0, size, np.inf))
 
 
 def _map(form: str, table: Array, clock: int | None, found: Blocks) -> str:

@@ -15,60 +15,31 @@ import numpy as np
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.measurement.columns.axis_letters import lettered
 from irb2400_ctrl.measurement.columns.column_map import TURN
+from irb2400_ctrl.measurement.columns.column_words import (
+    AMPERE,
+    COMMANDED,
+    DEGREE_OR_RAD,
+    MEASURED,
+    MOTOR,
+    NEWTON_METRES,
+    PULSES,
+    SURELY,
+    TIME,
+    TURNS,
+    TURNS_A_MINUTE,
+    meaning,
+)
+from irb2400_ctrl.measurement.columns.interleaved import interleaved, place_of
 from irb2400_ctrl.measurement.columns.joint_words import FEWEST, worded
 from irb2400_ctrl.measurement.columns.recorder_names import unit_by_step
 from irb2400_ctrl.measurement.columns.two_part_time import COUNTED, time_pair
 
-OTHERS = re.compile(
-    r"acc|qdd|ddq|ddot|err|ext|grav|limit|temp(?!s)|volt|tcp|cart|wrench|jerk|collision|inertia|dist"
-    r"|power|pose(?![a-z])|dtau|tau_?dot|(?<!joint)(?<!joint_)(?<!axis_)force"
-    r"|加速|温|電圧"
-)
-COMMANDED = re.compile(
-    r"ref|cmd|comm|action|target|des|goal|set|soll|plan(?!e)|nominal|comput|aspos|[a-z]_d(?![a-z])"
-    r"|(?<![a-z])opt(?![a-z])|指令|目標|consigne"
-)
-MEASURED = re.compile(r"act(?!uator|ion)|meas|msr|mes|real|(?<!wr)ist|fb|feed|state")
-TORQUE = (
-    r"tau|τ|torq|trq|tq|mom|qfrc|(?<![a-z])(tor|couple|coppia|par)(?![a-z])|トルク|扭矩|力矩|转矩"
-)
-NEWTON_METRES = r"(?<![a-z])(?:[km]?n[ ·⋅.*-]?m|ncm)(?![a-z])"
-TURNS = r"(?<![a-z])(rev|revs|turns|umdrehungen)(?![a-z/])"
-TURNS_A_MINUTE = r"rpm|/min|min-(?=\W*$)"
-DEGREE_OR_RAD = r"deg|°(?!c)|(?<!g)rad(?!i(?!an))|grad(?!i)"
-PULSES = r"puls|counts"
-CURRENT = (
-    r"cur(?!rent_as_torque)|(?<![a-z])(courant|corrente|corriente|i_?q)(?![a-z])|電流|电流"
-    r"|(?<![a-z])i(?=_?(act|targ|meas))"
-)
-QUANTITIES = {
-    "tau": rf"{TORQUE}|{CURRENT}|(?<!co)eff|load|force|(?<![a-z])m_?(?=act|targ)|^m?t\W*$"
-    rf"|(?<![a-z])u(?![a-z])|{NEWTON_METRES}",
-    "qd": r"vel|speed|dot|dq|dtheta|qd|qv|qp(?!os)|omega|ω|geschw|vitesse|速度"
-    rf"|(?:deg|rad|°)(?:/|p|_|_per_)s|{TURNS_A_MINUTE}",
-    "q": r"pos|ang|(?<!e)q|theta|θ|rax|joint|jnt|axis|achse|winkel|^([aj]|jt|mp)\W*$|state\W*$"
-    rf"|{DEGREE_OR_RAD}|{TURNS}|{PULSES}"
-    r"|(?<![a-z])(axe|asse|eje)(?![a-z])|角|軸|轴|关节|関節",
-}
-"""what a name means, asked in this order"""
-TIME = re.compile(
-    r"(.*[^a-z])?(times?|ts|t|tm|tout|time_?stamps?|stamp|zeit|zeitstempel|tick|ipoc|sec|temps|tempo|tiempo|時間|时间)"
-    r"([^a-z].*)?"
-)
-BARE = re.compile(r"\W*(a|j|jt|joint|jnt|axis|achse|axe|asse|eje|軸|轴|关节|関節)?\W*")
-"""of a joint's number alone: an angle, or what a recorder counts by axes"""
-AMPERE = re.compile(rf"{CURRENT}|(?<![a-z])(amp|amps|ampere|amperes)(?![a-z])")
-"""words of a current"""
-SURELY = re.compile(rf"{TORQUE}|nm")
-"""words of what is none"""
-MOTOR = re.compile(r"motor|resolver|rotor")
-"""words of what may be on the motor's side"""
 NAMED = "{name}"
 """in the place of a joint's name"""
 MOST_JOINTS = 16
 DEGREES = 7.0
 """an angle beyond this is hardly in radians"""
-COUNTS = 3600.0
+COUNTS = 720.0
 """whole numbers beyond this are hardly degrees"""
 NEEDED = "and a log needs them (of signals in files of their own, put the columns into one)"
 ALONE = (
@@ -91,16 +62,7 @@ def suggested_map(columns: Mapping[str, Array], joints: Sequence[str] | None = N
         columns: of the file, by name.
         joints: names of the robot's joints in their order, where they are known.
     """
-    patterns = _patterns(columns, joints or ())
-    chosen: dict[str, tuple[int, bool, int, str]] = {}
-    rivals: dict[str, list[str]] = {}
-    for pattern in patterns:
-        quantity, told = _quantity(pattern)
-        rivals.setdefault(quantity, []).append(pattern)
-        # torques before currents, the joint's side before the motor's
-        doubt = re.search(rf"{AMPERE.pattern}|{MOTOR.pattern}", pattern.lower()) is not None
-        if quantity and (told, doubt, len(pattern)) < chosen.get(quantity, (3, False, 0, ""))[:3]:
-            chosen[quantity] = (told, doubt, len(pattern), pattern)
+    patterns, rivals, chosen = _choices(columns, joints or ())
     if "tau" not in chosen and {"q", "q_ref"} & chosen.keys():
         return f"; no columns are called as measured torques or currents are, {NEEDED}"
     if "tau" in chosen and not {"q", "q_ref"} & chosen.keys():
@@ -136,6 +98,41 @@ def suggested_map(columns: Mapping[str, Array], joints: Sequence[str] | None = N
     )
 
 
+def _choices(
+    columns: Mapping[str, Array], joints: Sequence[str]
+) -> tuple[dict[str, list[str]], dict[str, list[str]], dict[str, tuple[int, bool, int, str]]]:
+    """The forms of names and their columns, the forms of each quantity, and the best of these with
+    its rank.
+
+    Args:
+        columns: of the file, by name; joints: names of the robot's.
+    """
+    lists = interleaved(columns, _row(columns))
+    places = {name for one in lists.values() for names in one for name in names}
+    patterns = _patterns({n: v for n, v in columns.items() if n not in places}, joints)
+    chosen: dict[str, tuple[int, bool, int, str]] = {}
+    rivals: dict[str, list[str]] = {}
+    for pattern in patterns:
+        quantity, told = meaning(pattern)
+        rivals.setdefault(quantity, []).append(pattern)
+        # torques before currents, the joint's side before the motor's
+        doubt = re.search(rf"{AMPERE.pattern}|{MOTOR.pattern}", pattern.lower()) is not None
+        if quantity and (told, doubt, len(pattern)) < chosen.get(quantity, (3, False, 0, ""))[:3]:
+            chosen[quantity] = (told, doubt, len(pattern), pattern)
+    for name, signals in lists.items():
+        words = name.lower()
+        commanded = COMMANDED.search(words) and not MEASURED.search(words)
+        # what a command holds beside angles is seldom more than zeros
+        for k, quantity in enumerate(
+            ("q_ref",) if commanded else ("q", "qd", "tau")[: len(signals)]
+        ):
+            form = place_of(name, len(signals), k)
+            patterns[form] = signals[k]
+            rivals.setdefault(quantity, []).append(form)
+            chosen.setdefault(quantity, (0, False, 0, form))
+    return patterns, rivals, chosen
+
+
 def _patterns(columns: Mapping[str, Array], joints: Sequence[str]) -> dict[str, list[str]]:
     """Names with a place for the joint, and the columns in the order of the joints."""
     found = {NAMED.join(form): names for form, names in lettered(columns).items()}
@@ -148,7 +145,7 @@ def _patterns(columns: Mapping[str, Array], joints: Sequence[str]) -> dict[str, 
     # where the robot is known, fewer are some joints of several
     found = {pattern: names for pattern, names in found.items() if len(names) >= len(joints)}
     found |= _named(columns, joints)
-    if any(_quantity(pattern)[0] for pattern in found):
+    if any(meaning(pattern)[0] for pattern in found):
         return found
     return {NAMED.join(form): names for form, names in words.items()}
 
@@ -186,7 +183,7 @@ def _of_some(pattern: str, names: Sequence[str], columns: Mapping[str, Array]) -
     """
     tail = re.split(r"\{j0?\}", pattern)[-1]
     alike = [name for name in columns if name.endswith(tail) and not re.search(r"\d", name)]
-    return bool(_quantity(tail)[0]) and len(alike) >= len(names)
+    return bool(meaning(tail)[0]) and len(alike) >= len(names)
 
 
 def _named(columns: Mapping[str, Array], joints: Sequence[str]) -> dict[str, list[str]]:
@@ -223,23 +220,6 @@ def _wrapped(entry: list[str], angles: Array) -> list[str]:
     return entry
 
 
-def _quantity(pattern: str) -> tuple[str, int]:
-    """What a name means, and how surely: 0 where it says measured, 2 of a commanded torque or a
-    current; "" where it is of another thing, or does not tell."""
-    words = re.sub(r"\{(j0?|name)\}|\d", "", pattern).lower()
-    meant = next((q for q, known in QUANTITIES.items() if re.search(known, words)), "")
-    if not meant or OTHERS.search(words):
-        return "", 3
-    if MEASURED.search(words):
-        return meant, int(meant == "tau" and AMPERE.search(words) is not None)
-    if COMMANDED.search(words):
-        # some controllers record no other torque
-        return {"q": ("q_ref", 1), "tau": ("tau", 2)}.get(meant, ("", 3))
-    # beside a torque a current is the second choice, beside a position a name without a word
-    second = AMPERE.search(words) if meant == "tau" else BARE.fullmatch(words)
-    return meant, 2 if second else 1
-
-
 def _time(columns: Mapping[str, Array], rows: int) -> list[str]:
     """The table of the time, where a column is called so."""
     pair = time_pair(columns)
@@ -260,6 +240,14 @@ def _time(columns: Mapping[str, Array], rows: int) -> list[str]:
             )
             return ["[time]", f'column = "{name}"', f'unit = "{unit}"{doubt}', ""]
     return ["[time]", "rate_Hz = nan   # samples a second: no column is called as a time is", ""]
+
+
+def _row(columns: Mapping[str, Array]) -> float:
+    """Time from one row to the next [s]; 0 where no column is called as a time is."""
+    for name, values in columns.items():
+        if len(values) > 1 and TIME.fullmatch(name.lower()):
+            return (unit_by_step(values) or 1.0) * float(np.median(np.diff(values)))
+    return 0.0
 
 
 def _entry(quantity: str, pattern: str, names: Sequence[str], size: str) -> list[str]:
@@ -284,7 +272,8 @@ def _unit(quantity: str, words: str, size: str) -> list[str]:
         return [f'unit = "{"rpm" if quantity == "qd" else "rev"}"', *motor]
     stated = re.search(DEGREE_OR_RAD, words)
     if re.search(PULSES, words) or (stated is None and size == "counts"):
-        return ['unit = "rev"', "factor = nan   # turns of the joint a pulse, signed"]
+        zero = "zero = nan   # pulses where the joint is at zero: half a turn of most servos"
+        return ['unit = "rev"', "factor = nan   # turns of the joint a pulse, signed", zero]
     in_degrees = size == "deg" if stated is None else stated[0] != "rad"
     return [f'unit = "{UNITS[quantity][in_degrees]}"', *motor * bool(MOTOR.search(words))]
 
@@ -296,12 +285,12 @@ def _unit_of_torque(words: str, gear: str, motor: list[str]) -> list[str]:
         words: of its name; gear: the line of a ratio that is needed; motor: that of one that may
             be, or nothing.
     """
+    if "%" in words:
+        return ['unit = "percent"', "full_scale_Nm = nan   # what 100 % are"]
     if AMPERE.search(words):
         milli = re.search(r"(?<![a-z])ma(?![a-z])", words) is not None
         constant = "Nm_per_A = nan   # of the motors: a number, or a list"
         return ['unit = "A"', *["factor = 0.001   # of mA"] * milli, constant, gear]
-    if "%" in words:
-        return ['unit = "percent"', "full_scale_Nm = nan   # what 100 % are"]
     if not SURELY.search(words):
         doubt = "   # or a current (A, with Nm_per_A), or percent: its name does not say"
         return [f'unit = "Nm"{doubt}', *motor]

@@ -10,8 +10,10 @@ from typing import NamedTuple
 import numpy as np
 
 from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.measurement.columns.angle_zero import from_zero
 from irb2400_ctrl.measurement.columns.clock import Clock
 from irb2400_ctrl.measurement.columns.column_map import TIME, ColumnMap
+from irb2400_ctrl.measurement.columns.column_words import meaning
 from irb2400_ctrl.measurement.columns.guessed_places import guessed_places
 from irb2400_ctrl.measurement.columns.mapped_time import with_time
 from irb2400_ctrl.measurement.columns.recorder_names import (
@@ -97,7 +99,7 @@ def understood(
             shown = suggested_map(given_columns, names) or guessed_places(given_columns, names)
             raise InputError(f"{told}{shown}") from error
     else:
-        table = unwrapped(with_time(table, given), given)
+        table = unwrapped(from_zero(with_time(table, given), given), given)
         time, found, scales = _by_map(table, given)
         n = _joints(table, found, joints)
     return Understood(table, time, found, scales, n)
@@ -255,9 +257,16 @@ def _expect_all(table: Table, signal: str, names: dict[int, str], n: int) -> Non
             " or ".join(form.format(_numbered(signal, j)) for form in forms) for j in missing
         )
         plain = without_source(table.columns)
-        bare = [name for name, short in plain.items() if without_unit(short)]
+        # a name that tells nothing else is an angle's
+        bare = [
+            name
+            for name, short in plain.items()
+            if without_unit(short) and (meaning(short)[0] or "q") == signal
+        ]
+        unit = {"tau": "Nm", "qd": "deg/s"}.get(signal, "deg")
         hint = "".join(
-            f"; {name!r} has no unit, expected '{name} [deg]' or a column map" for name in bare[:1]
+            f"; {name!r} has no unit, expected '{name} [{unit}]' or a column map"
+            for name in bare[:1]
         )
         strange = [(name, strange_word(short) or ("", "")) for name, short in plain.items()]
         hint += "".join(

@@ -17,7 +17,7 @@ LOOKED_AT = 1000
 """lines with quotes, each of which is taken apart"""
 EMPTY = " ,;\t\0"
 """what an empty line holds; zeros are what a file ends with whose recorder lost its power"""
-_SEPARATOR = re.compile(r"[,;\t]")
+_SEPARATOR = re.compile(r"[,;\t|]")
 _DECIMAL_COMMA = re.compile(r"[+-]?\d+,\d+(?:[eE][+-]?\d+)?")
 _THOUSANDS = re.compile(r"[+-]?[1-9]\d{0,2},\d{3}")
 _WIDE = re.compile(r"\s{2,}")
@@ -98,7 +98,7 @@ def dialect_of(path: Path, lines: list[str]) -> Dialect:
 def _dialect_at(lines: list[str], skip: int) -> Dialect:
     """Of a file whose header is line `skip`."""
     head = lines[skip]
-    separator = max((",", ";", "\t"), key=head.count) if _SEPARATOR.search(head) else " "
+    separator = max((",", ";", "\t", "|"), key=head.count) if _SEPARATOR.search(head) else " "
     dialect = Dialect(separator, ".", skip)
     return replace(dialect, decimal=",") if _decimal_comma(lines[skip + 1 :], dialect) else dialect
 
