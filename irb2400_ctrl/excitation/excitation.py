@@ -29,8 +29,7 @@ class Excitation:
     """The motion that tells the members of a group apart.
 
     Args:
-        course: rows at 250 Hz; tau: torque of the model along it [Nm], (m, n); standard: what it is
-            compared with.
+        course: rows at 250 Hz; tau: torque of the model along it [Nm], (m, n).
         extent: how near to the limits it goes, over densely looked at instants.
         flavours: of its pieces, in order; noise: assumed, per joint [Nm].
         gain: rise of the criterion over the standard motion (of log distances, smallest plus mean).
@@ -41,7 +40,6 @@ class Excitation:
     joint: int | None
     course: Trajectory
     tau: Array
-    standard: Trajectory
     extent: Extent
     flavours: tuple[str, ...]
     noise: Array
