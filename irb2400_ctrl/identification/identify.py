@@ -49,7 +49,7 @@ from irb2400_ctrl.identification.late_torques import (
 from irb2400_ctrl.identification.moved import moved_bodies
 from irb2400_ctrl.identification.notes import notes_of, of_the_bodies, resting
 from irb2400_ctrl.identification.odd_logs import odd_logs
-from irb2400_ctrl.identification.understood_logs import borne_out, understood_logs
+from irb2400_ctrl.identification.understood_logs import borne_out, said_of, understood_logs
 from irb2400_ctrl.measurement import Log
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.plausibility.channels import NO_MOTION
@@ -159,7 +159,7 @@ def _identified(robot: Robot, seen: Logs, others: Logs, gains: Gains | None) -> 
     known = _known(found, covariance, results)
     late_beside = _late(model, kept, beside.logs)
     results += _validated(model, robot, kept, found, _motions(beside.logs, source, late_beside))
-    against = [*borne_out(sound.doubts, results), *odd_logs(found, parts)]
+    against = [*borne_out(sound, results), *odd_logs(found, parts)]
     told_late = [one for one in (*late, *late_beside) if one is not None]
     identified = Identification(
         given=robot,
@@ -174,8 +174,8 @@ def _identified(robot: Robot, seen: Logs, others: Logs, gains: Gains | None) -> 
         verdicts=told,
         logs=results,
         notes=[
-            *sound.notes,
-            *beside.notes,
+            *said_of(sound),
+            *said_of(beside),
             *against,
             *(one.says() for one in told_late),
             *notes_of(moved, found, covariance, said),
