@@ -15,7 +15,13 @@ from irb2400_ctrl.identification import Identification
 from irb2400_ctrl.identification.fitting.moments import recordings
 from irb2400_ctrl.identification.fitting.motion_source import motion_of
 from irb2400_ctrl.identification.identified_robot import fit_base
-from irb2400_ctrl.identification.late_torques import Late, in_robot, in_time, open_by_delay
+from irb2400_ctrl.identification.late_torques import (
+    Late,
+    in_robot,
+    in_time,
+    late_torques,
+    open_by_delay,
+)
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.report.pages.identification_page import lines
 
@@ -91,6 +97,16 @@ def test_of_a_sound_log_nothing_is_said_or_moved() -> None:
     assert not found.late
     assert found.robot.effects == in_robot(found.robot, [None]).effects
     assert not any("than the angles" in line for line in lines(found))
+
+
+@pytest.mark.parametrize(("seconds", "told"), [(7.4, False), (9.0, True)])
+def test_seconds_that_disagree_have_to_be_several(seconds: float, told: bool) -> None:
+    log = late(4)
+    some = log.time < log.time[0] + seconds
+    model = Model(fit_base(ROBOT)[0])
+    motion = motion_of(irb.Log(log.time[some], log.q[some], log.tau[some]), "angle")
+    (part,) = recordings([motion], [np.zeros_like(motion.tau)])
+    assert (late_torques(model, part) is not None) == told
 
 
 def test_a_late_log_beside_a_sound_one_is_judged_at_its_time() -> None:
