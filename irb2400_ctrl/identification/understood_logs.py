@@ -44,9 +44,13 @@ def understood_logs(robot: Robot, logs: Sequence[Log]) -> SortedLogs:
     return found
 
 
-def said_of(found: SortedLogs) -> list[str]:
+def said_of(*found: SortedLogs) -> list[str]:
     """Notes on logs that were left out, and on what is remarkable about the others."""
-    return [*(f"left out {one.name}: {one.why}" for one in found.left_out), *found.remarkable]
+    notes = []
+    for some in found:
+        notes += [f"left out {one.name}: {one.why}" for one in some.left_out]
+        notes += some.remarkable
+    return notes
 
 
 def borne_out(found: SortedLogs, results: Sequence[LogResult]) -> list[str]:

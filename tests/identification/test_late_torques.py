@@ -105,7 +105,7 @@ def test_seconds_that_disagree_have_to_be_several(seconds: float, told: bool) ->
     some = log.time < log.time[0] + seconds
     model = Model(fit_base(ROBOT)[0])
     motion = motion_of(irb.Log(log.time[some], log.q[some], log.tau[some]), "angle")
-    (part,) = recordings([motion], [np.zeros_like(motion.tau)])
+    (part,) = recordings([motion])
     assert (late_torques(model, part) is not None) == told
 
 
@@ -120,14 +120,13 @@ def test_what_the_delay_leaves_open_is_open_in_the_numbers() -> None:
     """The slope of the numbers over the delay, against fits to torques moved by hand."""
     model = Model(fit_base(ROBOT)[0])
     motion = motion_of(late(4), "angle")
-    nothing = [np.zeros_like(motion.tau)]
     true = 4 * float(np.median(np.diff(sound().time)))
     fits = {}
     for off in (-1e-3, 0.0, 1e-3):
-        parts = recordings([in_time(motion, true + off)], nothing)
+        parts = recordings([in_time(motion, true + off)])
         fits[off] = fit_with(model, parts)
     (one,) = identified(4).late
-    parts = recordings([in_time(motion, true)], nothing)
+    parts = recordings([in_time(motion, true)])
     covariance = open_by_delay(model, fits[0.0], parts, [one])
     places = [fits[0.0].layout.names().index(name) for name in NAMES[6:9]]
     slope = (fits[1e-3].theta - fits[-1e-3].theta)[places] / 2e-3
