@@ -10,8 +10,8 @@ actuators must supply *in addition*, the same sign as the friction of eq. 56.
 
 The class is the physics; what else is said about a kind stands beside it as frozen values: `prior`
 (what is known of its numbers), `search` (how a diagnosis looks for it), `ambiguity` (what it is
-taken for), `drawing`. Nothing about a kind stands anywhere else: a new effect is one file, here or
-the user's own (`registry`).
+taken for), `drawing`. A new effect needs nothing elsewhere: it is one file, here or the user's own
+(`registry`).
 """
 
 from __future__ import annotations
