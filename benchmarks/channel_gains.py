@@ -50,7 +50,7 @@ def plain(robot: irb.Robot, fitted: irb.Log, other: irb.Log) -> np.ndarray:
     model = Model(fit_base(robot)[0])
     layout = ColumnLayout(robot.n)
     seen, unseen = (motion_of(log, "angle") for log in (fitted, other))
-    sums = moments(model, layout, recordings([seen], [np.zeros_like(seen.tau)]))
+    sums = moments(model, layout, recordings([seen]))
     theta = plain_least_squares(sums)
     torque = columns(model, layout, unseen.q, unseen.qd, unseen.qdd) @ theta
     return errors(unseen.tau, torque, unseen.known).rmse_over_mean_percent

@@ -251,7 +251,7 @@ def test_an_unknown_kind_says_how_to_load_ones_own(tmp_path: Path) -> None:
         (("    sentence: ClassVar", "    other: ClassVar"), "effect taut_hose has no sentence"),
         (("    example: ClassVar", "    other: ClassVar"), "effect taut_hose has no example"),
         (('Literal["taut_hose"] = "taut_hose"', "str"), "has the kind PydanticUndefined"),
-        (("def coefficients", "def coefficient"), "found no effect"),
+        (("def basis", "def base"), "found no effect"),
         (("import casadi as ca", "import casady as ca"), "No module named 'casady'"),
     ],
 )

@@ -21,8 +21,7 @@ from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.diagnosis.comparison.acceptance import INFLATION
 from irb2400_ctrl.diagnosis.estimation.fit import Fit, Fitter
 from irb2400_ctrl.diagnosis.estimation.posterior import Posterior
-from irb2400_ctrl.diagnosis.preparation.base_prior import BasePrior
-from irb2400_ctrl.diagnosis.preparation.identified_prior import IdentifiedPrior
+from irb2400_ctrl.diagnosis.preparation.identified_prior import AnyPrior, IdentifiedPrior
 
 GYRATION = 0.06
 """[m] radius of gyration of a usual load: its inertia is m GYRATION^2, give or take as much"""
@@ -72,9 +71,7 @@ class BodyEstimates:
         return {"robust": self.robust.to_json(), "given_bodies": self.given_bodies.to_json()}
 
 
-def body_estimates(
-    prior: BasePrior | IdentifiedPrior, fitter: Fitter, fit: Fit, place: int
-) -> BodyEstimates | None:
+def body_estimates(prior: AnyPrior, fitter: Fitter, fit: Fit, place: int) -> BodyEstimates | None:
     """Of the effect at a place of the fit; None if it is no body."""
     effect: Any = fit.effects[place]
     if effect.acts != "parameters" or not hasattr(effect, "com_m"):
@@ -136,7 +133,7 @@ def _slope(numbers: Array) -> Array:
     return np.column_stack(columns)
 
 
-def _without_bodies(prior: BasePrior | IdentifiedPrior, fitter: Fitter) -> Array:
+def _without_bodies(prior: AnyPrior, fitter: Fitter) -> Array:
     """Columns of the base with nothing open about the bodies, (m, n, ·)."""
     n = prior.robot.n
     if isinstance(prior, IdentifiedPrior):

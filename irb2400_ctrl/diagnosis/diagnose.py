@@ -30,7 +30,7 @@ from irb2400_ctrl.diagnosis.possible_bodies import (
 from irb2400_ctrl.diagnosis.preparation.base_prior import BODY, BasePrior
 from irb2400_ctrl.diagnosis.preparation.contacts import contacts_of
 from irb2400_ctrl.diagnosis.preparation.doubtful_accelerations import doubtful_accelerations
-from irb2400_ctrl.diagnosis.preparation.identified_prior import IdentifiedPrior
+from irb2400_ctrl.diagnosis.preparation.identified_prior import AnyPrior, IdentifiedPrior
 from irb2400_ctrl.diagnosis.preparation.metrics import errors, noise_floor
 from irb2400_ctrl.diagnosis.preparation.noise_test import noise_test
 from irb2400_ctrl.diagnosis.preparation.plain_numbers import PlainNumbers
@@ -197,9 +197,7 @@ def _unsure(fit: Fit, motion: PreparedLog) -> Array:
     return np.asarray(np.sqrt(np.sum(variance * known, axis=0) / np.maximum(known.sum(axis=0), 1)))
 
 
-def prior_of(
-    robot: Robot, uncertainty: Uncertainty, motion: PreparedLog
-) -> BasePrior | IdentifiedPrior:
+def prior_of(robot: Robot, uncertainty: Uncertainty, motion: PreparedLog) -> AnyPrior:
     """What is left open about a robot's numbers: its identification's covariance, or a data
     sheet's spreads.
 
@@ -247,7 +245,7 @@ def _bases(robot: Robot) -> Bases:
 
 def _concluded(
     given: Robot,
-    prior: BasePrior | IdentifiedPrior,
+    prior: AnyPrior,
     fitter: Fitter,
     load: Array,
     steps: Sequence[Step],

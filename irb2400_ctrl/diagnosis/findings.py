@@ -23,8 +23,7 @@ from irb2400_ctrl.diagnosis.estimation.effect_parameters import changed_of
 from irb2400_ctrl.diagnosis.estimation.fit import Fit, Fitter
 from irb2400_ctrl.diagnosis.finding import Finding, Unexplained
 from irb2400_ctrl.diagnosis.lists import list_of
-from irb2400_ctrl.diagnosis.preparation.base_prior import BasePrior
-from irb2400_ctrl.diagnosis.preparation.identified_prior import IdentifiedPrior
+from irb2400_ctrl.diagnosis.preparation.identified_prior import AnyPrior
 from irb2400_ctrl.diagnosis.regressors.predict import effect_torque
 from irb2400_ctrl.effects import Effect
 from irb2400_ctrl.measurement.prepared_log import PreparedLog
@@ -36,7 +35,7 @@ ALIKE = 0.8
 
 
 def findings_of(
-    prior: BasePrior | IdentifiedPrior,
+    prior: AnyPrior,
     steps: Sequence[Step],
     fit: Fit,
     fitter: Fitter,

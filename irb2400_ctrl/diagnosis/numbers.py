@@ -15,11 +15,10 @@ from irb2400_ctrl.diagnosis.estimation.fit import Fit
 from irb2400_ctrl.diagnosis.lists import FindingList
 from irb2400_ctrl.diagnosis.preparation.base_prior import (
     BODY,
-    BasePrior,
     body_numbers,
     named_bodies,
 )
-from irb2400_ctrl.diagnosis.preparation.identified_prior import IdentifiedPrior
+from irb2400_ctrl.diagnosis.preparation.identified_prior import AnyPrior, IdentifiedPrior
 from irb2400_ctrl.robot import Robot
 
 MOVED = 3.5
@@ -76,7 +75,7 @@ class Number:
 
 
 def numbers(
-    prior: BasePrior | IdentifiedPrior,
+    prior: AnyPrior,
     fit: Fit,
     after: Robot,
     *,
@@ -164,7 +163,7 @@ def _ranges(places: Sequence[int]) -> str:
     return f"link{'s' if len(places) > 1 else ''} {', '.join(runs)}"
 
 
-def moved_numbers(prior: BasePrior | IdentifiedPrior, fit: Fit) -> Mask:
+def moved_numbers(prior: AnyPrior, fit: Fit) -> Mask:
     """Numbers of the base that moved further than was believed, and than their own error, (k,)."""
     k = len(prior.base.sigmas())
     z = prior.deviations(fit.z)[:k]
@@ -174,7 +173,7 @@ def moved_numbers(prior: BasePrior | IdentifiedPrior, fit: Fit) -> Mask:
     return np.asarray((np.abs(z) > believed) & (np.abs(z) > 2.0 * _posterior(prior, fit)[:k]))
 
 
-def _posterior(prior: BasePrior | IdentifiedPrior, fit: Fit) -> Array:
+def _posterior(prior: AnyPrior, fit: Fit) -> Array:
     """Standard errors of the numbers after the fit, in the units of the prior."""
     variance = np.einsum("ka,ab,kb->k", prior.root, fit.z_covariance, prior.root)
     # what a log tells exactly is rounding

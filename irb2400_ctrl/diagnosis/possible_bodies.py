@@ -11,8 +11,7 @@ from dataclasses import replace
 import numpy as np
 
 from irb2400_ctrl.diagnosis.estimation.fit import Fit
-from irb2400_ctrl.diagnosis.preparation.base_prior import BasePrior
-from irb2400_ctrl.diagnosis.preparation.identified_prior import IdentifiedPrior
+from irb2400_ctrl.diagnosis.preparation.identified_prior import AnyPrior, IdentifiedPrior
 from irb2400_ctrl.model.realisable import realise
 from irb2400_ctrl.robot import Robot
 
@@ -30,7 +29,7 @@ def turns_impossible(given: Robot, after: Robot) -> bool:
     return not realise(after).exists and realise(given).exists
 
 
-def with_possible_bodies(prior: BasePrior | IdentifiedPrior, fit: Fit) -> Fit:
+def with_possible_bodies(prior: AnyPrior, fit: Fit) -> Fit:
     """The fit, with the bodies of an identified robot as they were where its own are impossible:
     friction, offsets and rotors are then those that belong to these bodies.
 

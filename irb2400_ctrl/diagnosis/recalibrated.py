@@ -6,14 +6,11 @@ from typing import Any
 
 from irb2400_ctrl.diagnosis.estimation.fit import Fit
 from irb2400_ctrl.diagnosis.numbers import moved_numbers
-from irb2400_ctrl.diagnosis.preparation.base_prior import BasePrior
-from irb2400_ctrl.diagnosis.preparation.identified_prior import IdentifiedPrior
+from irb2400_ctrl.diagnosis.preparation.identified_prior import AnyPrior
 from irb2400_ctrl.robot import Robot
 
 
-def recalibrated_terms(
-    prior: BasePrior | IdentifiedPrior, fit: Fit, robot: Robot
-) -> dict[str, Any]:
+def recalibrated_terms(prior: AnyPrior, fit: Fit, robot: Robot) -> dict[str, Any]:
     """New values, all joints, of the terms where some value moved further than its own
     uncertainty.
 

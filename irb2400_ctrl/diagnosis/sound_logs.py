@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -52,6 +52,36 @@ class SoundLogs:
     other_friction: frozenset[int] = frozenset()
 
 
+@dataclass(frozen=True)
+class SortedLogs:
+    """Several logs, each held against the robot.
+
+    Args:
+        taken: those that can be used, and what they show; left_out: the others; problems: of those
+            of them that are not what their columns say.
+    """
+
+    taken: list[tuple[Log, Examined]] = field(default_factory=list)
+    left_out: list[LeftOut] = field(default_factory=list)
+    problems: list[tuple[Log, LogProblem]] = field(default_factory=list)
+
+    @property
+    def logs(self) -> list[Log]:
+        """Those that can be used."""
+        return [log for log, _ in self.taken]
+
+    @property
+    def remarkable(self) -> tuple[str, ...]:
+        """About these (`Examined`), by their names."""
+        return tuple(f"{log.name}: {said}" for log, seen in self.taken for said in seen.remarkable)
+
+    @property
+    def other_friction(self) -> frozenset[int]:
+        """Joints (from 1) on which one of these contradicts the friction that the robot's file
+        states."""
+        return frozenset(joint for _, seen in self.taken for joint in seen.other_friction)
+
+
 def sound_logs(robot: Robot, logs: Sequence[Log]) -> SoundLogs:
     """Sort logs into those that are what their columns say, and the others.
 
@@ -68,43 +98,53 @@ def sound_logs(robot: Robot, logs: Sequence[Log]) -> SoundLogs:
             remarkable=only.remarkable,
             other_friction=frozenset(only.other_friction),
         )
-    sound = []
-    remarkable: list[str] = []
-    off: set[int] = set()
-    left_out = []
-    problems = []
-    for place, log in enumerate(logs):
-        twice = log.copied_from(logs[:place])
-        if twice is not None:
-            left_out.append(LeftOut(log.name, f"its samples are those of {twice}"))
-            continue
-        try:
-            seen = _looked_at(robot, log, SHORTEST_SECONDS)
-        except InputError as error:
-            left_out.append(LeftOut(log.name, str(error).removeprefix(f"{log.name}: ")))
-            continue
-        if seen.problem is None:
-            sound.append(log)
-            remarkable += [f"{log.name}: {said}" for said in seen.remarkable]
-            off |= set(seen.other_friction)
-        else:
-            problems.append((log, seen.problem))
-            left_out.append(LeftOut(log.name, seen.problem.says))
-    if not sound and not problems:
+    found = sorted_logs(robot, logs, SHORTEST_SECONDS)
+    left_out = tuple(found.left_out)
+    if not found.taken and not found.problems:
         raise InputError(
             f"found {len(logs)} logs and none that can be used; the first, {logs[0].name}: "
             f"{left_out[0].why}"
         )
-    if not sound:
-        return SoundLogs((problems[0][0],), left_out=tuple(left_out), problem=problems[0][1])
-    used = _chosen(sound)
+    if not found.taken:
+        log, problem = found.problems[0]
+        return SoundLogs((log,), left_out=left_out, problem=problem)
+    used = _chosen(found.logs)
     total = sum(log.duration for log in used)
     if total < LEAST_SECONDS:
         raise InputError(_short("the logs together", total))
-    judged = tuple(log for log in sound if not any(log is one for one in used))
+    judged = tuple(log for log in found.logs if not any(log is one for one in used))
     return SoundLogs(
-        used, judged, tuple(left_out), remarkable=tuple(remarkable), other_friction=frozenset(off)
+        used, judged, left_out, remarkable=found.remarkable, other_friction=found.other_friction
     )
+
+
+def sorted_logs(
+    robot: Robot, logs: Sequence[Log], least: float = 0.0, although: str = ""
+) -> SortedLogs:
+    """Hold each of several logs against the robot.
+
+    Args:
+        robot: the arm; logs: of it.
+        least: length of a log that can be used [s].
+        although: kind of the problem with which a log is taken all the same.
+    """
+    found = SortedLogs()
+    for place, log in enumerate(logs):
+        twice = log.copied_from(logs[:place])
+        if twice is not None:
+            found.left_out.append(LeftOut(log.name, f"its samples are those of {twice}"))
+            continue
+        try:
+            seen = _looked_at(robot, log, least)
+        except InputError as error:
+            found.left_out.append(LeftOut(log.name, str(error).removeprefix(f"{log.name}: ")))
+            continue
+        if seen.problem is None or seen.problem.kind == although:
+            found.taken.append((log, seen))
+        else:
+            found.problems.append((log, seen.problem))
+            found.left_out.append(LeftOut(log.name, seen.problem.says))
+    return found
 
 
 def check_beside(robot: Robot, log: Log, learned: Sequence[Log]) -> None:

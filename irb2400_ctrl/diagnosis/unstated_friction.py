@@ -12,11 +12,10 @@ from dataclasses import replace
 import numpy as np
 
 from irb2400_ctrl.diagnosis.estimation.fit import Fit
-from irb2400_ctrl.diagnosis.preparation.base_prior import BasePrior
-from irb2400_ctrl.diagnosis.preparation.identified_prior import IdentifiedPrior
+from irb2400_ctrl.diagnosis.preparation.identified_prior import AnyPrior, IdentifiedPrior
 
 
-def with_friction_first(prior: BasePrior | IdentifiedPrior, fit: Fit) -> Fit:
+def with_friction_first(prior: AnyPrior, fit: Fit) -> Fit:
     """The fit with as much of its laws without a name as unknown dry and viscous friction could
     make given to these; together they are what they were.
 

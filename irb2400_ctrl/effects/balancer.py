@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import Any, ClassVar, Literal, Self
+from typing import Any, ClassVar, Literal
 
 import casadi as ca
 from pydantic import Field
@@ -69,15 +69,6 @@ class Balancer(Effect):
         return ca.horzcat(
             self.on(ca.cos(d), n), self.on(ca.sin(2 * d), n), self.on(ca.cos(2 * d), n)
         )
-
-    def coefficients(self) -> tuple[float, ...]:
-        return (self.torque_Nm,)
-
-    @classmethod
-    def from_coefficients(
-        cls, joint: int | None, coefficients: Sequence[float], nonlinear: dict[str, float]
-    ) -> Self:
-        return cls.of(joint, torque_Nm=coefficients[0], **nonlinear)
 
     @classmethod
     def grid(cls, joint: int | None) -> list[dict[str, float]]:

@@ -10,8 +10,8 @@ actuators must supply *in addition*, the same sign as the friction of eq. 56.
 
 The class is the physics; what else is said about a kind stands beside it as frozen values: `prior`
 (what is known of its numbers), `search` (how a diagnosis looks for it), `ambiguity` (what it is
-taken for), `drawing`. Nothing about a kind stands anywhere else: a new effect is one file, here or
-the user's own (`registry`).
+taken for), `drawing`. A new effect needs nothing elsewhere: it is one file, here or the user's own
+(`registry`).
 """
 
 from __future__ import annotations
@@ -51,8 +51,8 @@ STANDARD_GRAVITY = 9.81
 
 
 class Effect(Table, ABC):
-    """A physical effect. Final subclasses give `kind`, fields with units, `basis`, `coefficients`
-    and their inverse."""
+    """A physical effect. Final subclasses give `kind`, fields with units and `basis`, and where the
+    coefficients are not these fields `coefficients` and their inverse."""
 
     acts: ClassVar[Acts] = "force"
     """on the arm as a force, on the arm's own parameters, in the measuring chain, or in the
@@ -77,6 +77,8 @@ class Effect(Table, ABC):
     """how a diagnosis looks for it"""
     drawing: ClassVar[Drawing] = Drawing()
     """how its torque is drawn"""
+    linear: ClassVar[tuple[str, ...]] = ()
+    """its own fields that are no key of `grid`"""
     states: ClassVar[tuple[str, ...]] = ()
     """names of the internal states x, for an effect with memory"""
 
@@ -98,6 +100,8 @@ class Effect(Table, ABC):
             if not cls.ambiguity.group:
                 kind = str(cls.model_fields["kind"].default)
                 cls.ambiguity = replace(cls.ambiguity, group=kind.replace("_", " "))
+            apart = COMMON.union(cls.grid(None if cls.whole_arm else 1)[0])
+            cls.linear = tuple(name for name in cls.model_fields if name not in apart)
             register(cls)
 
     def __reduce__(self) -> tuple[Any, ...]:
@@ -109,16 +113,15 @@ class Effect(Table, ABC):
         """Regressor B, shape (n, k) [Nm per unit of coefficient]; depends on nonlinear parameters
         only."""
 
-    @abstractmethod
     def coefficients(self) -> tuple[float, ...]:
-        """The k coefficients that the fields stand for."""
+        """The k coefficients that the fields stand for; by default the fields `linear`."""
+        return tuple(getattr(self, name) for name in self.linear)
 
     def sizes(self) -> tuple[float, ...]:
         """What is zero where the effect is not there; one of them must stand clear of its error."""
         return self.coefficients()
 
     @classmethod
-    @abstractmethod
     def from_coefficients(
         cls, joint: int | None, coefficients: Sequence[float], nonlinear: dict[str, float]
     ) -> Self:
@@ -129,6 +132,7 @@ class Effect(Table, ABC):
             coefficients: that its basis is multiplied by, in the order of `coefficients()`.
             nonlinear: the other parameters, by the name of their field.
         """
+        return cls.of(joint, **dict(zip(cls.linear, coefficients, strict=True)), **nonlinear)
 
     def discrepancy_basis(self, s: Signals) -> ca.SX:
         """Further columns that a real device of this kind may show beside the law, shape (n, k).
@@ -179,11 +183,7 @@ class Effect(Table, ABC):
     @classmethod
     def prototype(cls, joint: int | None, nonlinear: dict[str, float]) -> Self:
         """An instance with unit coefficients, for asking `basis` of it."""
-        fields: dict[str, Any] = {
-            "kind": cls.model_fields["kind"].default,
-            "joint": joint,
-            **nonlinear,
-        }
+        fields: dict[str, Any] = {"joint": joint, **nonlinear}
         return cls.model_construct(**fields)
 
     @classmethod

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import Any, ClassVar, Literal, Self
+from collections.abc import Mapping
+from typing import Any, ClassVar, Literal
 
 import casadi as ca
 from pydantic import Field
@@ -40,12 +40,3 @@ class BaseTilt(Effect):
         # a base turned by a small angle t about x sees gravity R^T g: g_y = -9.81 * t (about y: g_x
         # = +9.81 * t)
         return STANDARD_GRAVITY * ca.horzcat(-g_y, g_x)
-
-    def coefficients(self) -> tuple[float, ...]:
-        return (self.tilt_x_rad, self.tilt_y_rad)
-
-    @classmethod
-    def from_coefficients(
-        cls, joint: int | None, coefficients: Sequence[float], nonlinear: dict[str, float]
-    ) -> Self:
-        return cls.of(joint, tilt_x_rad=coefficients[0], tilt_y_rad=coefficients[1])

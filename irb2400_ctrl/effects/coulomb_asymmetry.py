@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import Any, ClassVar, Literal, Self
+from collections.abc import Mapping
+from typing import Any, ClassVar, Literal
 
 import casadi as ca
 from pydantic import Field
@@ -39,12 +39,3 @@ class CoulombAsymmetry(Effect):
         speed = ca.fabs(s.qd[self.index])
         n = s.q.numel()
         return ca.horzcat(self.on(ca.exp(-speed / 0.1), n), self.on(s.sign[self.index], n))
-
-    def coefficients(self) -> tuple[float, ...]:
-        return (self.delta_Nm,)
-
-    @classmethod
-    def from_coefficients(
-        cls, joint: int | None, coefficients: Sequence[float], nonlinear: dict[str, float]
-    ) -> Self:
-        return cls.of(joint, delta_Nm=coefficients[0])

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import replace
-from typing import Any, ClassVar, Literal, Self
+from typing import Any, ClassVar, Literal
 
 import casadi as ca
 from pydantic import Field
@@ -42,12 +42,3 @@ class CoulombChange(Effect):
         return ca.horzcat(
             *[self.on(s.sign[self.index] * ca.exp(-speed / v), n) for v in NEAR_REVERSAL]
         )
-
-    def coefficients(self) -> tuple[float, ...]:
-        return (self.coulomb_Nm,)
-
-    @classmethod
-    def from_coefficients(
-        cls, joint: int | None, coefficients: Sequence[float], nonlinear: dict[str, float]
-    ) -> Self:
-        return cls.of(joint, coulomb_Nm=coefficients[0])

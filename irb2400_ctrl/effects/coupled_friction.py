@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any, ClassVar, Literal, Self
+from typing import Any, ClassVar, Literal
 
 import casadi as ca
 from pydantic import Field
@@ -40,15 +40,6 @@ class CoupledFriction(Effect):
         columns[j, 0] = ca.sign(s.qd[j + 1])
         columns[j + 1, 1] = ca.sign(s.qd[j])
         return columns
-
-    def coefficients(self) -> tuple[float, ...]:
-        return (self.here_Nm, self.neighbour_Nm)
-
-    @classmethod
-    def from_coefficients(
-        cls, joint: int | None, coefficients: Sequence[float], nonlinear: dict[str, float]
-    ) -> Self:
-        return cls.of(joint, here_Nm=coefficients[0], neighbour_Nm=coefficients[1])
 
     @classmethod
     def joints(cls, n: int) -> Sequence[int | None]:

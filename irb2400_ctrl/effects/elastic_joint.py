@@ -148,9 +148,6 @@ class ElasticJoint(Effect):
         # what neither swings nor twists is no spring, nor is what only twists
         return self.swing < max(LEAST_SHOWN, LEAST_SWING * self.visible)
 
-    def coefficients(self) -> tuple[float, ...]:
-        return (self.swing, self.visible)
-
     @classmethod
     def from_coefficients(
         cls, joint: int | None, coefficients: Sequence[float], nonlinear: dict[str, float]

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import Any, ClassVar, Literal, Self
+from collections.abc import Mapping
+from typing import Any, ClassVar, Literal
 
 import casadi as ca
 from pydantic import Field
@@ -35,12 +35,3 @@ class EncoderZero(Effect):
     @property
     def angle_error(self) -> tuple[float, float]:
         return self.zero_rad, 0.0
-
-    def coefficients(self) -> tuple[float, ...]:
-        return (self.zero_rad,)
-
-    @classmethod
-    def from_coefficients(
-        cls, joint: int | None, coefficients: Sequence[float], nonlinear: dict[str, float]
-    ) -> Self:
-        return cls.of(joint, zero_rad=coefficients[0])

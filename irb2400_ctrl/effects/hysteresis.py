@@ -66,9 +66,6 @@ class Hysteresis(Effect):
     def discrepancy_basis(self, s: Signals) -> ca.SX:
         return self.on(s.state[0] ** 2 * ca.sign(s.state[0]), s.q.numel())
 
-    def coefficients(self) -> tuple[float, ...]:
-        return self.amplitude_Nm, self.replaced_Nm
-
     def sizes(self) -> tuple[float, ...]:
         return (self.amplitude_Nm,)
 

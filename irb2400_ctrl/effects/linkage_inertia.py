@@ -41,9 +41,6 @@ class LinkageInertia(Effect):
         # the rod's centre of mass beside the forearm's line
         return self.on(ca.sin(s.q[self.index]), s.q.numel())
 
-    def coefficients(self) -> tuple[float, ...]:
-        return (self.inertia_kgm2, self.moment_kgm)
-
     @classmethod
     def from_coefficients(
         cls, joint: int | None, coefficients: Sequence[float], nonlinear: dict[str, float]

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import Any, ClassVar, Literal, Self
+from collections.abc import Mapping
+from typing import Any, ClassVar, Literal
 
 import casadi as ca
 from pydantic import Field
@@ -51,9 +51,6 @@ class LoadFriction(Effect):
         power = load * ca.log(load / 50.0 + 1e-3) * s.sign[self.index]
         return ca.horzcat(self.on(power, n), self.on(s.load[self.index], n))
 
-    def coefficients(self) -> tuple[float, ...]:
-        return (self.coefficient,)
-
     @classmethod
     def grid(cls, joint: int | None) -> list[dict[str, float]]:
         return [{"friction_share": 0.0}, {"friction_share": 1.0}]
@@ -61,9 +58,3 @@ class LoadFriction(Effect):
     def _carried(self, s: Signals) -> ca.SX:
         load = s.load[self.index]
         return ca.fabs(load + self.friction_share * (s.tau[self.index] - load))
-
-    @classmethod
-    def from_coefficients(
-        cls, joint: int | None, coefficients: Sequence[float], nonlinear: dict[str, float]
-    ) -> Self:
-        return cls.of(joint, coefficient=coefficients[0], **nonlinear)

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import Any, ClassVar, Literal, Self
+from collections.abc import Mapping
+from typing import Any, ClassVar, Literal
 
 import casadi as ca
 from pydantic import Field
@@ -38,12 +38,3 @@ class RotorInertia(Effect):
     @property
     def motor_inertia(self) -> float | None:
         return self.inertia_kgm2
-
-    def coefficients(self) -> tuple[float, ...]:
-        return (self.inertia_kgm2,)
-
-    @classmethod
-    def from_coefficients(
-        cls, joint: int | None, coefficients: Sequence[float], nonlinear: dict[str, float]
-    ) -> Self:
-        return cls.of(joint, inertia_kgm2=coefficients[0])

@@ -77,15 +77,6 @@ class TimeDelay(Effect):
             shown[:, j] = late(time, tau[:, j], self.delay_s)
         return shown
 
-    def coefficients(self) -> tuple[float, ...]:
-        return (self.delay_s,)
-
-    @classmethod
-    def from_coefficients(
-        cls, joint: int | None, coefficients: Sequence[float], nonlinear: dict[str, float]
-    ) -> Self:
-        return cls.of(joint, delay_s=coefficients[0], **nonlinear)
-
     @classmethod
     def grid(cls, joint: int | None) -> list[dict[str, float]]:
         # all angles late are all torques early

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import Any, ClassVar, Literal, Self
+from collections.abc import Mapping
+from typing import Any, ClassVar, Literal
 
 import casadi as ca
 import numpy as np
@@ -40,12 +40,3 @@ class TorqueOffset(Effect):
         shown = np.array(tau)
         shown[:, self.index] += self.offset_Nm
         return shown
-
-    def coefficients(self) -> tuple[float, ...]:
-        return (self.offset_Nm,)
-
-    @classmethod
-    def from_coefficients(
-        cls, joint: int | None, coefficients: Sequence[float], nonlinear: dict[str, float]
-    ) -> Self:
-        return cls.of(joint, offset_Nm=coefficients[0])

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
-from typing import Any, ClassVar, Literal, Self
+from collections.abc import Mapping
+from typing import Any, ClassVar, Literal
 
 import casadi as ca
 import numpy as np
@@ -95,15 +95,6 @@ class TransmissionBacklash(Effect):
     @property
     def unlikely(self) -> bool:
         return self.flight_rad > LONGEST_FLIGHT * self.gap_rad
-
-    def coefficients(self) -> tuple[float, ...]:
-        return (self.gap_rad,)
-
-    @classmethod
-    def from_coefficients(
-        cls, joint: int | None, coefficients: Sequence[float], nonlinear: dict[str, float]
-    ) -> Self:
-        return cls.of(joint, gap_rad=coefficients[0], **nonlinear)
 
     @classmethod
     def grid(cls, joint: int | None) -> list[dict[str, float]]:

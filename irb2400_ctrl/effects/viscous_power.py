@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import Any, ClassVar, Literal, Self
+from collections.abc import Mapping
+from typing import Any, ClassVar, Literal
 
 import casadi as ca
 from pydantic import Field
@@ -31,15 +31,6 @@ class ViscousPower(Effect):
     def basis(self, s: Signals) -> ca.SX:
         speed = s.qd[self.index]
         return self.on(ca.fabs(speed) ** self.exponent * ca.sign(speed), s.q.numel())
-
-    def coefficients(self) -> tuple[float, ...]:
-        return (self.coefficient,)
-
-    @classmethod
-    def from_coefficients(
-        cls, joint: int | None, coefficients: Sequence[float], nonlinear: dict[str, float]
-    ) -> Self:
-        return cls.of(joint, coefficient=coefficients[0], **nonlinear)
 
     @classmethod
     def grid(cls, joint: int | None) -> list[dict[str, float]]:

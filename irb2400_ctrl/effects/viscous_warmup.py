@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import replace
-from typing import Any, ClassVar, Literal, Self
+from typing import Any, ClassVar, Literal
 
 import casadi as ca
 from pydantic import Field
@@ -47,15 +47,6 @@ class ViscousWarmup(Effect):
             *columns,
             *[self.on(level * ca.fabs(speed) ** p * s.sign[self.index], n) for p in (0.5, 2.0)],
         )
-
-    def coefficients(self) -> tuple[float, ...]:
-        return (self.viscous_Nms_rad,)
-
-    @classmethod
-    def from_coefficients(
-        cls, joint: int | None, coefficients: Sequence[float], nonlinear: dict[str, float]
-    ) -> Self:
-        return cls.of(joint, viscous_Nms_rad=coefficients[0], **nonlinear)
 
     @classmethod
     def grid(cls, joint: int | None) -> list[dict[str, float]]:

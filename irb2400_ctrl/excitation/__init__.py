@@ -1,7 +1,7 @@
 """Motions that tell effects apart which an ordinary motion does not."""
 
 from irb2400_ctrl.excitation.excitation import Excitation
-from irb2400_ctrl.excitation.excite import excite, separability
+from irb2400_ctrl.excitation.excite import excite
 from irb2400_ctrl.excitation.groups import AmbiguityGroup, groups
 from irb2400_ctrl.excitation.identification_motion import (
     IdentificationMotion,
@@ -19,5 +19,4 @@ __all__ = [
     "excite",
     "excite_identification",
     "groups",
-    "separability",
 ]

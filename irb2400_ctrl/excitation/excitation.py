@@ -21,7 +21,6 @@ from irb2400_ctrl.planners.programs.rapid.rapid_options import RapidOptions
 from irb2400_ctrl.planners.programs.rapid.rapid_program import RapidProgram, rapid_program
 from irb2400_ctrl.robot import Robot
 from irb2400_ctrl.trajectory import Trajectory
-from irb2400_ctrl.trajectory.trajectory import RATE
 
 
 @dataclass(frozen=True)
@@ -29,8 +28,7 @@ class Excitation:
     """The motion that tells the members of a group apart.
 
     Args:
-        course: rows at 250 Hz; tau: torque of the model along it [Nm], (m, n); standard: what it is
-            compared with.
+        course: rows at 250 Hz; tau: torque of the model along it [Nm], (m, n).
         extent: how near to the limits it goes, over densely looked at instants.
         flavours: of its pieces, in order; noise: assumed, per joint [Nm].
         gain: rise of the criterion over the standard motion (of log distances, smallest plus mean).
@@ -41,7 +39,6 @@ class Excitation:
     joint: int | None
     course: Trajectory
     tau: Array
-    standard: Trajectory
     extent: Extent
     flavours: tuple[str, ...]
     noise: Array
@@ -99,10 +96,7 @@ class Excitation:
 
     def trajectory(self) -> Trajectory:
         """With torque and the way of the TCP."""
-        c = self.course
-        points = Model(self.robot).tcp_pose(c.q)[:, :3, 3]
-        way = np.append(0.0, np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1)))
-        return Trajectory(c.time, c.q, c.qd, c.qdd, self.tau, way)
+        return with_way(Model(self.robot), self.course, self.tau)
 
     def program(self) -> RapidProgram:
         """The motion as a RAPID module of joint moves with their times."""
@@ -149,4 +143,14 @@ class Excitation:
         ]
 
 
-__all__ = ["RATE", "Excitation"]
+def with_way(model: Model, course: Trajectory, tau: Array) -> Trajectory:
+    """A course with torque and the way of the TCP.
+
+    Args:
+        model: of the arm.
+        course: without them.
+        tau: [Nm], shape (m, n).
+    """
+    points = model.tcp_pose(course.q)[:, :3, 3]
+    way = np.append(0.0, np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1)))
+    return Trajectory(course.time, course.q, course.qd, course.qdd, tau, way)

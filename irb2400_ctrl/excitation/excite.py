@@ -23,7 +23,6 @@ from irb2400_ctrl.given import whole
 from irb2400_ctrl.measurement.prepared_log import PreparedLog
 from irb2400_ctrl.measurement.uniform import LowPass, Recorders
 from irb2400_ctrl.robot import Robot
-from irb2400_ctrl.trajectory import Trajectory
 from irb2400_ctrl.typed import typed
 
 SHORTEST = 10.0
@@ -87,8 +86,7 @@ def _excited(
     with one_thread():
         progress("preparing")
         workshop = Workshop(robot)
-        ordinary = standard_course(workshop, seconds)
-        standard = workshop.recorded(ordinary, "standard")
+        standard = workshop.recorded(standard_course(workshop, seconds), "standard")
         alternatives = Alternatives(robot, asked, standard, joint)
         if not alternatives.pairs:
             raise InputError(
@@ -116,7 +114,6 @@ def _excited(
         joint=joint,
         course=course,
         tau=workshop.model.inverse_dynamics(course.q, course.qd, course.qdd),
-        standard=ordinary,
         extent=workshop.extent(course),
         flavours=tuple(piece.flavour for piece in pieces),
         noise=alternatives.noise,
@@ -168,25 +165,6 @@ def _table(
             Separability(pair.text, pair.member, pair.rival, distance, sine, ceiling, reasons[i])
         )
     return tuple(rows)
-
-
-@typed
-def separability(
-    robot: Robot, group: str, course: Trajectory, *, joint: int | None = None
-) -> dict[Pair, float]:
-    """Distances of the pairs of a group on any motion, sizes set on the standard motion of the same
-    duration.
-
-    Args:
-        robot: the arm; group: name of an ambiguity group, or of an effect in it.
-        course: the motion; joint: members on this joint only (from 1); default all.
-    """
-    robot = with_room(robot)
-    workshop = Workshop(robot)
-    standard = workshop.recorded(standard_course(workshop, max(course.duration, SHORTEST)))
-    alternatives = Alternatives(robot, group_called(group), standard, joint)
-    D, _ = alternatives.distances(alternatives.gram(workshop.recorded(course)))
-    return {pair: float(d) for pair, d in zip(alternatives.pairs, D, strict=True)}
 
 
 def _limits_of_motion(alternatives: Alternatives, standard: PreparedLog) -> tuple[list[str], Array]:

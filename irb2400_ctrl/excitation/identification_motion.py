@@ -15,6 +15,7 @@ from irb2400_ctrl.errors import InfeasibleError
 from irb2400_ctrl.excitation.acceleration import AccelerationLimits
 from irb2400_ctrl.excitation.assemble import Workshop
 from irb2400_ctrl.excitation.base_information import BaseInformation
+from irb2400_ctrl.excitation.excitation import with_way
 from irb2400_ctrl.excitation.excite import check_duration
 from irb2400_ctrl.excitation.feasible import Extent
 from irb2400_ctrl.excitation.friction_runs import FrictionRuns, friction_runs
@@ -131,19 +132,6 @@ class IdentificationMotion:
             stem = "excitation" if name == "trajectory" else name
             paths.append(program.save(folder / f"{stem}.mod"))
         return [*paths, write_json(folder / "excitation.json", self.summary())]
-
-
-def with_way(model: Model, course: Trajectory, tau: Array) -> Trajectory:
-    """A course with torque and the way of the TCP.
-
-    Args:
-        model: of the arm.
-        course: without them.
-        tau: [Nm], shape (m, n).
-    """
-    points = model.tcp_pose(course.q)[:, :3, 3]
-    way = np.append(0.0, np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1)))
-    return Trajectory(course.time, course.q, course.qd, course.qdd, tau, way)
 
 
 @typed

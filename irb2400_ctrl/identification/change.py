@@ -7,8 +7,6 @@ from dataclasses import replace
 
 from irb2400_ctrl.diagnosis import Diagnosis, Number, diagnose
 from irb2400_ctrl.diagnosis.comparison.criteria import Criteria
-from irb2400_ctrl.diagnosis.sound_logs import sound_logs
-from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.identification.identification import Identification
 from irb2400_ctrl.identification.identify import identify
 from irb2400_ctrl.identification.reference_error import (
@@ -60,15 +58,9 @@ def diagnose_change(
         return diagnose(robot, log, validation, reference, progress=progress)
     progress("identify the reference")
     logs = [reference] if isinstance(reference, Log) else list(reference)
-    sound = sound_logs(robot, logs)
-    if sound.problem is not None:
-        raise InputError(
-            f"{sound.used[0].name}: {sound.problem.says}; a reference has to be understood, try "
-            "`irb2400 log check`"
-        )
-    known = identify(robot, sound.used)
+    known = identify(robot, logs)
     progress("diagnose the reference")
-    before = diagnose(known.robot, sound.used)
+    before = diagnose(known.robot, logs)
     progress("diagnose")
     found = diagnose(robot, log, validation, before.robot, progress=progress)
     unseen = unseen_error(known)
@@ -85,7 +77,7 @@ def diagnose_change(
         found,
         numbers=tuple(n for n in found.numbers if has_changed(n, worse)),
         usual_error=unseen,
-        before=replace(before, numbers=there, left_out=sound.left_out),
+        before=replace(before, numbers=there),
     )
 
 

@@ -26,13 +26,11 @@ from irb2400_ctrl.identification.fitting.estimate import scaled_inverse
 from irb2400_ctrl.identification.fitting.fit import ASIDE, fit
 from irb2400_ctrl.identification.fitting.fitted import Fit
 from irb2400_ctrl.identification.fitting.given import given_torque
-from irb2400_ctrl.identification.fitting.moments import Recording, predicted, recordings
-from irb2400_ctrl.identification.fitting.motion_source import motion_of
+from irb2400_ctrl.identification.fitting.moments import Recording, predicted
 from irb2400_ctrl.identification.fitting.relative_gains import relative_gains
 from irb2400_ctrl.identification.identified_robot import fit_base
-from irb2400_ctrl.identification.late_torques import in_time, late_torques
+from irb2400_ctrl.identification.late_torques import delays, prepared
 from irb2400_ctrl.measurement import Log
-from irb2400_ctrl.measurement.prepared_log import PreparedLog
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.robot import Body, Robot
 from irb2400_ctrl.wording import joined, numbered
@@ -170,13 +168,16 @@ def known_load_gains(robot: Robot, logs: Sequence[Log], loaded: Sequence[Log], l
         )
     base, kept = fit_base(robot)
     model = Model(base)
-    parts = _recordings(model, kept, logs)
-    found = fit(model, parts)
+
+    def recorded(some: Sequence[Log]) -> list[Recording]:
+        return given_torque(kept, prepared(some, "angle", delays(model, kept, some)))
+
+    found = fit(model, recorded(logs))
     phi = np.zeros((robot.n, 10))
     phi[-1] = load.parameters(robot.flange.matrix())
     values = np.ones(robot.n)
     errors = np.full(robot.n, np.inf)
-    others = _recordings(model, kept, loaded)
+    others = recorded(loaded)
     torque = [model.body_torque(p.motion.q, p.motion.qd, p.motion.qdd, phi.ravel()) for p in others]
     for j in range(robot.n):
         X = np.concatenate([_design(p, t, j) for p, t in zip(others, torque, strict=True)])
@@ -279,18 +280,6 @@ def _alone(found: Fit, j: int) -> tuple[Array, Array]:
         left = float(data.squared_error(theta)[0, j])
         variance = max(left / max(float(data.count[0, j]), 1.0), 1e-12)
     return theta, covariance
-
-
-def _recordings(model: Model, kept: Robot, logs: Sequence[Log]) -> list[Recording]:
-    """The logs prepared, late torques at their time."""
-    motions = [motion_of(log, "angle") for log in logs]
-    late = [late_torques(model, part) for part in _given(kept, motions)]
-    pairs = zip(motions, late, strict=True)
-    return _given(kept, [m if one is None else in_time(m, one.delay) for m, one in pairs])
-
-
-def _given(kept: Robot, motions: Sequence[PreparedLog]) -> list[Recording]:
-    return given_torque(kept, recordings(motions, [np.zeros_like(m.tau) for m in motions]))
 
 
 def _thinned(part: Recording, j: int) -> Mask:

@@ -17,8 +17,8 @@ from irb2400_ctrl.identification.fitting.covariance import block_covariance
 from irb2400_ctrl.identification.fitting.fit import fit, left_unseen
 from irb2400_ctrl.identification.fitting.fitted import Fit
 from irb2400_ctrl.identification.fitting.given import given_torque
-from irb2400_ctrl.identification.fitting.moments import Recording, predicted, recordings
-from irb2400_ctrl.identification.fitting.motion_source import Source, motion_of
+from irb2400_ctrl.identification.fitting.moments import Recording, predicted
+from irb2400_ctrl.identification.fitting.motion_source import Source
 from irb2400_ctrl.identification.force_sensor import SensedLoad, sensed_load, with_load
 from irb2400_ctrl.identification.friction_curve import (
     FrictionCurve,
@@ -41,15 +41,15 @@ from irb2400_ctrl.identification.identification import Identification, LogResult
 from irb2400_ctrl.identification.identified_robot import fit_base, identified_robot
 from irb2400_ctrl.identification.late_torques import (
     Late,
+    delays,
     in_robot,
-    in_time,
-    late_torques,
     open_by_delay,
+    prepared,
 )
 from irb2400_ctrl.identification.moved import moved_bodies
 from irb2400_ctrl.identification.notes import notes_of, of_the_bodies, resting
 from irb2400_ctrl.identification.odd_logs import odd_logs
-from irb2400_ctrl.identification.understood_logs import borne_out, understood_logs
+from irb2400_ctrl.identification.understood_logs import borne_out, said_of, understood_logs
 from irb2400_ctrl.measurement import Log
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.plausibility.channels import NO_MOTION
@@ -145,7 +145,7 @@ def _identified(robot: Robot, seen: Logs, others: Logs, gains: Gains | None) -> 
     stated = robot.with_unknown_friction(sound.other_friction)
     base, kept = fit_base(with_load(with_curves(stated, curves), sensed))
     model = Model(base)
-    late = _late(model, kept, sound.logs)
+    late = delays(model, kept, sound.logs)
     source, parts = _recorded(model, kept, sound.logs, late)
     parts = _with_runs(parts, runs, curves)
     found = fit(model, parts)
@@ -157,9 +157,10 @@ def _identified(robot: Robot, seen: Logs, others: Logs, gains: Gains | None) -> 
     told = verdicts(model, found.layout, found.sums, found.numbers.sigma, found.samples)
     results = _judged(model, robot, found, parts, [log_of_runs(log, curves) for log in sound.logs])
     known = _known(found, covariance, results)
-    late_beside = _late(model, kept, beside.logs)
-    results += _validated(model, robot, kept, found, _motions(beside.logs, source, late_beside))
-    against = [*borne_out(sound.doubts, results), *odd_logs(found, parts)]
+    late_beside = delays(model, kept, beside.logs)
+    parts_beside = given_torque(kept, prepared(beside.logs, source, late_beside))
+    results += _validated(model, robot, found, parts_beside)
+    against = [*borne_out(sound, results), *odd_logs(found, parts)]
     told_late = [one for one in (*late, *late_beside) if one is not None]
     identified = Identification(
         given=robot,
@@ -174,8 +175,7 @@ def _identified(robot: Robot, seen: Logs, others: Logs, gains: Gains | None) -> 
         verdicts=told,
         logs=results,
         notes=[
-            *sound.notes,
-            *beside.notes,
+            *said_of(sound, beside),
             *against,
             *(one.says() for one in told_late),
             *notes_of(moved, found, covariance, said),
@@ -259,21 +259,6 @@ def _agree(fitted: Robot, kept: Robot, part: Recording, torque: Array) -> None:
         )
 
 
-def _motions(logs: Sequence[Log], source: Source, late: Sequence[Late | None]) -> list[Recording]:
-    """The logs prepared, late torques at their time."""
-    motions = [
-        motion_of(log, source) if one is None else in_time(motion_of(log, source), one.delay)
-        for log, one in zip(logs, late, strict=True)
-    ]
-    return recordings(motions, [np.zeros_like(motion.tau) for motion in motions])
-
-
-def _late(model: Model, kept: Robot, logs: Sequence[Log]) -> list[Late | None]:
-    """Of each log, how late its torques are."""
-    parts = given_torque(kept, _motions(logs, "angle", [None] * len(logs)))
-    return [late_torques(model, part) for part in parts]
-
-
 def _recorded(
     model: Model, kept: Robot, logs: Sequence[Log], late: Sequence[Late | None]
 ) -> tuple[Source, list[Recording]]:
@@ -287,7 +272,7 @@ def _recorded(
     sources: list[Source] = ["angle"]
     if any(log.qd is not None for log in logs):
         sources.append("speed")
-    tried = {source: given_torque(kept, _motions(logs, source, late)) for source in sources}
+    tried = {source: given_torque(kept, prepared(logs, source, late)) for source in sources}
     if len(tried) == 1:
         return "angle", tried["angle"]
     left = {}
@@ -312,13 +297,13 @@ def _judged(
 
 
 def _validated(
-    model: Model, robot: Robot, kept: Robot, found: Fit, parts: Sequence[Recording]
+    model: Model, robot: Robot, found: Fit, parts: Sequence[Recording]
 ) -> list[LogResult]:
     """Other logs, by the fit to all logs of the identification."""
     bare = ColumnLayout(found.layout.n)
     shortest = plain_least_squares(found.sums.part(bare.within(found.layout)))
     results = []
-    for part in given_torque(kept, parts):
+    for part in parts:
         ours = predicted(model, found.layout, part, found.theta)
         theirs = predicted(model, bare, part, shortest)
         results.append(_result(model, robot, found, part, "validation", ours, theirs))

@@ -25,8 +25,11 @@ from irb2400_ctrl.identification.fitting.baseline import shortest_inverse
 from irb2400_ctrl.identification.fitting.columns import ColumnLayout, columns
 from irb2400_ctrl.identification.fitting.estimate import scaled_inverse
 from irb2400_ctrl.identification.fitting.fitted import Fit
+from irb2400_ctrl.identification.fitting.given import given_torque
 from irb2400_ctrl.identification.fitting.moments import Recording, moments, predicted
+from irb2400_ctrl.identification.fitting.motion_source import Source, motion_of
 from irb2400_ctrl.identification.fitting.noise import correlation_factor
+from irb2400_ctrl.measurement import Log
 from irb2400_ctrl.measurement.prepared_log import STICKING_SPEED, PreparedLog
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.robot import Robot
@@ -91,6 +94,29 @@ def late_torques(model: Model, part: Recording) -> Late | None:
         if abs(more) < SETTLED:
             return Late(part.motion.name, delay, error)
     return None
+
+
+def delays(model: Model, kept: Robot, logs: Sequence[Log]) -> list[Late | None]:
+    """Of each log, how late its torques are.
+
+    Args:
+        model: of the arm without effects; kept: the file with those that the fit leaves alone.
+        logs: of the arm.
+    """
+    motions = [motion_of(log, "angle") for log in logs]
+    return [late_torques(model, part) for part in given_torque(kept, motions)]
+
+
+def prepared(logs: Sequence[Log], source: Source, late: Sequence[Late | None]) -> list[PreparedLog]:
+    """The logs with late torques at their time.
+
+    Args:
+        logs: as recorded; source: of their speeds.
+        late: of each, how late its torques are.
+    """
+    motions = [motion_of(log, source) for log in logs]
+    pairs = zip(motions, late, strict=True)
+    return [motion if one is None else in_time(motion, one.delay) for motion, one in pairs]
 
 
 def in_robot(robot: Robot, late: Sequence[Late | None]) -> Robot:

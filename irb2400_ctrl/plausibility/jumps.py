@@ -11,6 +11,7 @@ from irb2400_ctrl.measurement.motion.held_samples import released, thawed
 from irb2400_ctrl.measurement.motion.lost_rows import lost_rows
 from irb2400_ctrl.measurement.prepared_log import prepare
 from irb2400_ctrl.plausibility.problem import LogProblem, named
+from irb2400_ctrl.plausibility.rows import SHORTEST
 
 MOVES = 0.02
 """[rad] a joint that goes so far is not at rest"""
@@ -35,8 +36,6 @@ UNCOUNTED = 0.002
 """share of the rows that are missing, or there twice, under an even clock, and"""
 SEVERAL = 4
 """of them at least"""
-LONG = 2.5
-"""[s] of a log that can be prepared"""
 
 
 def spikes(log: Log) -> LogProblem | None:
@@ -219,7 +218,7 @@ def uncounted(log: Log) -> LogProblem | None:
     if len(places) < max(SEVERAL, UNCOUNTED * found.asked):
         return None
     # of a host that polls a recorded speed tells what the angles do not
-    if log.qd is not None and log.duration > LONG and prepare(log).by_speed:
+    if log.qd is not None and log.duration > SHORTEST and prepare(log).by_speed:
         return None
     share = 100.0 * len(places) / found.asked
     first = float(new.time[places[0]])

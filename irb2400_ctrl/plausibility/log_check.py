@@ -122,7 +122,7 @@ def log_problem(robot: Robot | None, log: Log) -> LogProblem | None:
     Raises:
         InputError: another number of joints than the robot's.
     """
-    return examined(robot, log, by_torques=_has_bodies(robot)).problem
+    return examined(robot, log).problem
 
 
 def _has_bodies(robot: Robot | None) -> bool:
@@ -131,13 +131,8 @@ def _has_bodies(robot: Robot | None) -> bool:
 
 
 @one_thread()
-def examined(robot: Robot | None, log: Log, *, by_torques: bool = True) -> Examined:
-    """The problem as of `log_problem`, and what else a log shows.
-
-    Args:
-        robot, log: as of `log_problem`.
-        by_torques: whether the torques are held against the robot's model.
-    """
+def examined(robot: Robot | None, log: Log) -> Examined:
+    """The problem as of `log_problem`, and what else a log shows."""
     if robot is not None and robot.n != log.n:
         raise InputError(f"{log.name}: found {log.n} joints, expected {robot.n} as in {robot.name}")
     broken = channel_problem(log)
@@ -145,7 +140,7 @@ def examined(robot: Robot | None, log: Log, *, by_torques: bool = True) -> Exami
         broken = silent_problem(robot, log)
     # stamps that scatter by a good part of a period would make accelerations of nothing
     even = with_time_base(log)
-    asked = robot is not None and broken is None and by_torques
+    asked = broken is None and _has_bodies(robot)
     understood = understand(robot, even) if robot is not None and asked else None
     problem = broken or _problem(robot, even, understood)
     told = () if robot is None else _beyond_limits(robot, even)
@@ -237,7 +232,7 @@ def check_log(robot: Robot | None, log: Log) -> LogCheck:
     Raises:
         InputError: another number of joints than the robot's.
     """
-    found = examined(robot, log, by_torques=_has_bodies(robot))
+    found = examined(robot, log)
     problem = found.problem
     usable = problem is None or not problem.unusable
     asked = usable and _has_bodies(robot)

@@ -110,12 +110,14 @@ def _reading(nominal: Nominal, factors: Array, joints: list[int], cost: Cost) ->
     factor = float(factors[here[0]])
     sigma = abs(factor) * _relative_error(lambda x: cost(_scaled(factors, here, x)))
     where = "" if len(here) == n else f" on {named([j + 1 for j in here])}"
-    # masses that are all off by one factor are the same to the torque
-    bodies = ", or the masses of the robot file are off by as much" if len(here) == n else ""
+    # bodies that are off by the factor are the same to the torque
+    what = "friction or bodies" if where else "masses"
+    there = " there (then state them nearer to the arm)" if where else ""
     unit = _unit(factor, sigma)
     return replace(
         plain,
-        says=f"torque looks like {unit}{where}: times {factor:.3g} ± {sigma:.1g}{bodies}",
+        says=f"torque looks like {unit}{where}: times {factor:.3g} ± {sigma:.1g}, or the "
+        f"{what} of the robot file are off by as much{there}",
         fits={"factor": float(f"{factor:.4g}"), "standard_error": float(f"{sigma:.2g}")},
         joints=() if len(here) == n else tuple(j + 1 for j in here),
         price=PRICE,

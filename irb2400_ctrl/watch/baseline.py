@@ -17,8 +17,7 @@ from irb2400_ctrl.arrays import Array, Mask, one_thread
 from irb2400_ctrl.diagnosis.diagnose import prior_of
 from irb2400_ctrl.diagnosis.estimation.fit import Fitter
 from irb2400_ctrl.diagnosis.estimation.reversals import reversal_rows
-from irb2400_ctrl.diagnosis.preparation.base_prior import BasePrior
-from irb2400_ctrl.diagnosis.preparation.identified_prior import IdentifiedPrior
+from irb2400_ctrl.diagnosis.preparation.identified_prior import AnyPrior
 from irb2400_ctrl.diagnosis.preparation.noise import Noise, complete_rows
 from irb2400_ctrl.diagnosis.regressors.bases import Bases
 from irb2400_ctrl.diagnosis.regressors.predict import predicted_torque
@@ -100,7 +99,7 @@ class Baseline:
 
     robot: Robot
     bases: Bases
-    prior: BasePrior | IdentifiedPrior
+    prior: AnyPrior
     numbers: Numbers
     learned: Blocks
 
@@ -146,7 +145,7 @@ class _Seen:
     """of each joint's own Coulomb and viscous friction and of a mass at the tool, (rows, n, 3)"""
 
     @classmethod
-    def of(cls, bases: Bases, prior: BasePrior | IdentifiedPrior, motion: PreparedLog) -> _Seen:
+    def of(cls, bases: Bases, prior: AnyPrior, motion: PreparedLog) -> _Seen:
         Z = motion.filtered(prior.columns(bases.model, motion))
         known = motion.row_known & ~reversal_rows(motion)
         return cls(replace(motion, row_known=known), Z, _drifts(bases, motion))

@@ -25,7 +25,6 @@ from typing import Any
 import numpy as np
 
 from irb2400_ctrl.arrays import Array
-from irb2400_ctrl.diagnosis.preparation.base_prior import BasePrior
 from irb2400_ctrl.watch.alarm import Alarm, Usual
 from irb2400_ctrl.watch.baseline import BLOCK, LEAST_ROWS, Baseline, White
 
@@ -112,7 +111,7 @@ class Tracker:
         if told:
             H = np.concatenate([self._columns(j, joints[j], k) for j in told])
             left = np.concatenate([joints[j].left for j in told])
-            self._take(H, left, [len(joints[j].left) for j in told], self._usual, told)
+            self._take(H, left, [len(joints[j].left) for j in told], told)
         return self.tracked
 
     def _columns(self, j: int, white: White, k: int) -> Array:
@@ -140,9 +139,7 @@ class Tracker:
         place = len(self._x) - len(self._spread) + own
         self._P[place, place] += self._spread[own] ** 2
 
-    def _take(
-        self, H: Array, left: Array, rows: Sequence[int], usual: Usual, joints: Sequence[int]
-    ) -> None:
+    def _take(self, H: Array, left: Array, rows: Sequence[int], joints: Sequence[int]) -> None:
         e = left - H @ self._x
         HP = H @ self._P
         open_ = np.sum(HP * H, axis=1)
@@ -151,9 +148,9 @@ class Tracker:
         for j, count in zip(joints, rows, strict=True):
             part = slice(start, start + count)
             start += count
-            U = usual.energy[j]
+            U = self._usual.energy[j]
             seen = np.mean(e[part] ** 2 / (1.0 + open_[part] / U)) / U
-            alike = max(1.0, count / usual.degrees[j])
+            alike = max(1.0, count / self._usual.degrees[j])
             noise.append(np.full(count, U * alike * max(1.0, seen)))
         S = HP @ H.T
         S[np.diag_indices_from(S)] += np.concatenate(noise)
@@ -185,8 +182,7 @@ def _frictions(baseline: Baseline) -> tuple[Array, Array]:
     """Coulomb and viscous friction of the file, (2 n,), and their slopes by z, (2 n, k)."""
     robot = baseline.robot
     prior = baseline.prior
-    base = prior if isinstance(prior, BasePrior) else prior.base
-    sigmas = base.sigmas()
+    sigmas = prior.base.sigmas()
     place = np.arange(len(sigmas) - 3 * robot.n, len(sigmas) - robot.n)
     rows = prior.deviations(np.eye(len(baseline.numbers.z)))[place] * sigmas[place, None]
     known = np.where(robot.friction_known, robot.friction, 0.0)

@@ -39,13 +39,6 @@ class LooseHose(Effect):
 
     def basis(self, s):
         return self.on(s.q[self.index], s.q.numel())
-
-    def coefficients(self):
-        return (self.stiffness_Nm_rad,)
-
-    @classmethod
-    def from_coefficients(cls, joint, coefficients, nonlinear):
-        return cls.of(joint, stiffness_Nm_rad=coefficients[0])
 '''
 KINDS = [kind for kind, effect in LIBRARY.items() if registry.users_files([effect]) == []]
 

@@ -46,7 +46,7 @@ def test_of_one_effect_on_every_joint_those_stay_that_stand_clear() -> None:
     clear = [stands_clear(fit, k, 10.0) for k in range(3)]
     assert clear == [True, False, True]
     law = RegressorColumns((0, 1, 2), np.ones((4, 3, 1)) * np.eye(3)[None])
-    score = Score(30.0, 1.0, np.array([0.05, 0.1, 0.15]), np.eye(3), np.zeros(0))
+    score = Score(30.0, np.array([0.05, 0.1, 0.15]), np.zeros(0))
     every = Candidate("rotor_inertia", None, "every", (), rotors, law, None, score)
     step = Step(every, 30.0, (Alternative(every, 50.0, 30.0),)).only(clear)
     assert [e.joint for e in step.candidate.effects] == [1, 3]
@@ -246,7 +246,7 @@ def test_what_is_on_every_joint_is_on_most_of_them() -> None:
     for joints, borne in (((1, 2), False), ((4, 5, 6), True), ((1, 2, 4, 6), True)):
         offsets = tuple(LIBRARY["torque_offset"].of(j, offset_Nm=3.0) for j in joints)
         law = RegressorColumns(tuple(range(6)), np.ones((4, 6, 1)))
-        score = Score(30.0, 1.0, np.ones(1), np.eye(1), np.zeros(0))
+        score = Score(30.0, np.ones(1), np.zeros(0))
         every = Candidate("torque_offset", None, "every", (), offsets, law, None, score)
         assert every.everywhere
         fit: Any = SimpleNamespace(

@@ -43,7 +43,7 @@ def fitted(joint: int | None) -> tuple[Any, Any, Any]:
     m = replace(m, tau=read, tau_smooth=read)
     start = LIBRARY["time_delay"].of(joint, delay_s=0.5 * DELAY)
     nothing = RegressorColumns((4,), np.zeros((m.rows, 1, 1)))
-    score = Score(0.0, 0.0, np.zeros(1), np.eye(1), np.zeros(0))
+    score = Score(0.0, np.zeros(1), np.zeros(0))
     chosen = [Candidate("time_delay", joint, "", (), (start,), nothing, None, score)]
     plain: Any = SimpleNamespace(
         torque=lambda b, rows: m.recorded_rows(column)[rows] @ b, samples=column

@@ -185,7 +185,7 @@ def test_a_change_of_a_number_may_follow_the_law_of_the_base(
 
     def score(columns: Any, discrepancy: Any = None, expected: Any = (), shares: Any = None) -> Any:
         found = exact if discrepancy is None else departs
-        return Score(found, 0.0, np.ones(1), np.eye(1), np.zeros(0))
+        return Score(found, np.ones(1), np.zeros(0))
 
     made = scan(member=lambda *place: (law, extra))
     problem = SimpleNamespace(score=score)
@@ -220,7 +220,7 @@ def test_what_is_on_every_joint_is_on_those_that_move() -> None:
     columns = [RegressorColumns((j,), np.ones((4, 1, 1))) for j in range(6)]
     laws = {("rotor_inertia", j + 1): ([{}], (columns[j],)) for j in range(6)}
     made = scan(laws=laws, motion=SimpleNamespace(n=6, row_known=known))
-    score = Score(30.0, 1.0, np.full(6, 2.0), np.eye(6), np.zeros(0))
+    score = Score(30.0, np.full(6, 2.0), np.zeros(0))
     found = made._everywhere(SimpleNamespace(score=lambda law: score), "rotor_inertia")
     assert [e.joint for e in found.effects] == [1, 5, 6]
     known[:, [4, 5]] = False

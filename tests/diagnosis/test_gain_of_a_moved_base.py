@@ -40,7 +40,7 @@ def test_a_gain_is_found_beside_numbers_that_are_far_off() -> None:
     m = replace(m, tau=read, tau_smooth=read)
     effect = LIBRARY["torque_gain"].of(5, gain=0.95)
     nothing = RegressorColumns((4,), np.zeros((m.rows, 1, 1)))
-    score = Score(0.0, 0.0, np.zeros(1), np.eye(1), np.zeros(0))
+    score = Score(0.0, np.zeros(1), np.zeros(0))
     candidate = Candidate("torque_gain", 5, "", (), (effect,), nothing, None, score)
     Z = m.filtered(column)
     fit = Fitter(ROBOT, BASES, m, Z, np.zeros((m.rows, m.n), dtype=bool)).fit([candidate])
@@ -81,7 +81,7 @@ def test_unseen_rows_are_told_with_the_gain_of_numbers_that_moved() -> None:
     m = replace(m, tau=read, tau_smooth=read)
     effect = LIBRARY["torque_gain"].of(5, gain=0.75)
     nothing = RegressorColumns((4,), np.zeros((m.rows, 1, 1)))
-    score = Score(0.0, 0.0, np.zeros(1), np.eye(1), np.zeros(0))
+    score = Score(0.0, np.zeros(1), np.zeros(0))
     chosen = [Candidate("torque_gain", 5, "", (), (effect,), nothing, None, score)]
     plain: Any = SimpleNamespace(
         torque=lambda b, rows: m.recorded_rows(column)[rows] @ b,

@@ -49,7 +49,7 @@ def test_a_candidate_relieves_a_base_that_had_been_bent_to_hide_it(
     rng = np.random.default_rng(5)
     shape = np.sin(np.arange(600) / 23.0)
     y = (shape + rng.normal(0, 0.02, 600))[:, None]
-    nothing = Score(0.0, 0.0, np.array([size]), np.zeros((1, 1)), np.zeros(0))
+    nothing = Score(0.0, np.array([size]), np.zeros(0))
     law = RegressorColumns((0,), shape[:, None, None])
     candidate = Candidate("viscous_change", 1, "", (), (), law, None, nothing)
     every = np.ones((600, 1), dtype=bool)

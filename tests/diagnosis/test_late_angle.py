@@ -27,7 +27,7 @@ from irb2400_ctrl.measurement import Log
 BARE: Any = (
     RegressorColumns((3,), np.ones((4, 1, 1))),
     None,
-    Score(0.0, 0.0, np.ones(1), np.eye(1), np.zeros(0)),
+    Score(0.0, np.ones(1), np.zeros(0)),
 )
 """columns and score of a candidate of which neither is asked"""
 

@@ -60,7 +60,7 @@ def test_a_name_with_what_its_law_may_leave_says_more_where_it_left_something(
     effect = SimpleNamespace(prior=prior, windows_s=(), states=())
     candidate = Candidate(
         "cable_spring", 1, "", (), (effect,), law, None,  # type: ignore[arg-type]
-        Score(0.0, 0.0, np.ones(1), np.zeros((1, 1)), np.zeros(0)),
+        Score(0.0, np.ones(1), np.zeros(0)),
     )  # fmt: skip
     scan: Any = SimpleNamespace(
         motion=SimpleNamespace(n=1),

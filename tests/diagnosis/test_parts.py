@@ -141,7 +141,7 @@ def test_numbers_stand_beside_the_effects_as_they_are_told(
     Z = motion().filtered(base_prior.columns(BASES.model, motion()))
     effect = LIBRARY["viscous_power"].of(2, coefficient=40.0, exponent=1.3)
     nothing = RegressorColumns((1,), np.zeros((len(Z), 1, 1)))
-    score = Score(0.0, 0.0, np.zeros(1), np.eye(1), np.zeros(0))
+    score = Score(0.0, np.zeros(1), np.zeros(0))
     candidate = Candidate("viscous_power", 2, "", (), (effect,), nothing, None, score)
     calm = np.zeros(Z.shape[:2], dtype=bool)
     fit = fit_module.Fitter(ROBOT, BASES, motion(), Z, calm).fit([candidate])

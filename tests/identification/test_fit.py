@@ -43,7 +43,7 @@ def lacking() -> Lacking:
     model = irb.Model(fit_base(irb.load_robot("irb2400"))[0])
     motion = motion_of(irb.read_log(LOG), "angle")
     motion = replace(motion, tau=motion.tau - LACKS * motion.qdd)
-    return model, recordings([motion], [np.zeros_like(motion.tau)])
+    return model, recordings([motion])
 
 
 def readings_of(found: Fit) -> tuple[Extra, ...]:

@@ -15,7 +15,13 @@ from irb2400_ctrl.identification import Identification
 from irb2400_ctrl.identification.fitting.moments import recordings
 from irb2400_ctrl.identification.fitting.motion_source import motion_of
 from irb2400_ctrl.identification.identified_robot import fit_base
-from irb2400_ctrl.identification.late_torques import Late, in_robot, in_time, open_by_delay
+from irb2400_ctrl.identification.late_torques import (
+    Late,
+    in_robot,
+    in_time,
+    late_torques,
+    open_by_delay,
+)
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.report.pages.identification_page import lines
 
@@ -93,6 +99,16 @@ def test_of_a_sound_log_nothing_is_said_or_moved() -> None:
     assert not any("than the angles" in line for line in lines(found))
 
 
+@pytest.mark.parametrize(("seconds", "told"), [(7.4, False), (9.0, True)])
+def test_seconds_that_disagree_have_to_be_several(seconds: float, told: bool) -> None:
+    log = late(4)
+    some = log.time < log.time[0] + seconds
+    model = Model(fit_base(ROBOT)[0])
+    motion = motion_of(irb.Log(log.time[some], log.q[some], log.tau[some]), "angle")
+    (part,) = recordings([motion])
+    assert (late_torques(model, part) is not None) == told
+
+
 def test_a_late_log_beside_a_sound_one_is_judged_at_its_time() -> None:
     found = irb.identify(ROBOT, sound(), validation=late(6))
     assert [one.name for one in found.late] == ["6 later"]
@@ -104,14 +120,13 @@ def test_what_the_delay_leaves_open_is_open_in_the_numbers() -> None:
     """The slope of the numbers over the delay, against fits to torques moved by hand."""
     model = Model(fit_base(ROBOT)[0])
     motion = motion_of(late(4), "angle")
-    nothing = [np.zeros_like(motion.tau)]
     true = 4 * float(np.median(np.diff(sound().time)))
     fits = {}
     for off in (-1e-3, 0.0, 1e-3):
-        parts = recordings([in_time(motion, true + off)], nothing)
+        parts = recordings([in_time(motion, true + off)])
         fits[off] = fit_with(model, parts)
     (one,) = identified(4).late
-    parts = recordings([in_time(motion, true)], nothing)
+    parts = recordings([in_time(motion, true)])
     covariance = open_by_delay(model, fits[0.0], parts, [one])
     places = [fits[0.0].layout.names().index(name) for name in NAMES[6:9]]
     slope = (fits[1e-3].theta - fits[-1e-3].theta)[places] / 2e-3

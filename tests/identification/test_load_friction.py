@@ -98,7 +98,7 @@ def test_the_gears_carry_nearly_the_bodies_that_are_found() -> None:
     torque that they carry by three parts in a thousand."""
     motion = motion_of(log_of(case(2)), "angle")
     model = irb.Model(fit_base(possible_robot())[0])
-    found = fit(model, recordings([motion], [np.zeros_like(motion.tau)]))
+    found = fit(model, recordings([motion]))
     states = (motion.q, motion.qd, motion.qdd)
     carried = model.body_torque(*states, np.array(found.layout.pressing))
     own = model.body_torque(*states, found.theta[:60])

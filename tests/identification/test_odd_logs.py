@@ -119,6 +119,12 @@ def test_where_the_others_differ_too_none_is_named() -> None:
     assert said.startswith("the logs disagree")
 
 
+@pytest.mark.parametrize(("by", "named"), [(1.6, True), (2.4, False)])
+def test_the_others_agree_about_as_well_as_each_with_itself(by: float, named: bool) -> None:
+    said = said_of(with_change(0, 30.0), with_change(0, by), ARM, ARM)
+    assert ("log 1 does not belong" in said) == named
+
+
 def test_a_few_samples_accuse_nobody() -> None:
     assert said_of(with_change(0, 30.0), ARM, ARM, samples=17)
     assert not said_of(with_change(0, 30.0), ARM, ARM, samples=16)

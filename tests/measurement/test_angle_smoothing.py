@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -63,6 +65,15 @@ def test_clean_angles_go_through_the_usual_filter(rate: float) -> None:
     found = angle_smoothing(grid, grid.q, log)
     assert (found.cutoff == SMOOTHING).all()
     assert found.reach == 0
+
+
+@pytest.mark.parametrize(("every", "stronger"), [(0.9, False), (1.1, True)])
+def test_a_second_without_a_gap_tells_the_noise(every: float, stronger: bool) -> None:
+    log = log_of(250.0, 4e-4)
+    grid = resample(log)
+    whole = grid.time % (every + 0.1) < every
+    found = angle_smoothing(replace(grid, valid=whole), grid.q, log)
+    assert (found.reach > 0) == stronger
 
 
 def test_a_quick_motion_keeps_what_is_quick_in_it() -> None:

@@ -62,6 +62,12 @@ def test_of_a_polled_robot_the_recorded_speed_is_taken() -> None:
     assert by_angle.remarks == ()
 
 
+@pytest.mark.parametrize(("noise", "taken"), [(0.022, True), (0.0265, False)])
+def test_a_speed_must_be_twice_as_calm(noise: float, taken: bool) -> None:
+    rough = noise * np.random.default_rng(7).standard_normal((len(STAMPS), 3))
+    assert prepare(log_of(polled_at(), lambda time: angles(time, 1) + rough)).by_speed == taken
+
+
 def test_of_several_logs_one_is_enough_to_say_so() -> None:
     logs = [log_of(STAMPS, as_it_is), log_of(polled_at(), as_it_is)]
     assert prepare_together(logs).by_speed

@@ -30,6 +30,15 @@ def test_a_second_record_in_one_file_is_told() -> None:
     assert "sort the rows" in told(back)
 
 
+@pytest.mark.parametrize(("share", "begins"), [(0.045, True), (0.055, False)])
+def test_another_record_begins_near_the_beginning_of_the_first(share: float, begins: bool) -> None:
+    half = len(LOG.time) // 2
+    first = LOG.time[:half]
+    again = first[0] + share * np.ptp(first)
+    second = np.linspace(again, first[-1], len(LOG.time) - half)
+    assert ("another record begins there" in told(np.append(first, second))) == begins
+
+
 def test_runs_one_after_another_are_told_however_many() -> None:
     """Of eleven and more it was "sort the rows"."""
     ends = np.arange(30, 30 + len(LOG.time), 33) + np.arange(0, len(LOG.time), 33) // 33 % 3

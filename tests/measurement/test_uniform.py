@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from irb2400_ctrl.measurement import Log
+from irb2400_ctrl.measurement.motion.commanded import used_angles
 from irb2400_ctrl.measurement.motion.servo import followed
 from irb2400_ctrl.measurement.uniform import (
     LowPass,
@@ -111,6 +114,28 @@ def test_servo_response_is_found() -> None:
     log = resample(log_at(np.arange(0.0, 20.0, 0.004), lag=0.017))
     error = (followed(log) - log.q)[100:]
     assert np.abs(error).max() < 2e-4 * np.abs(log.q_ref - log.q).max()
+
+
+@pytest.mark.parametrize(("lag", "found"), [(26, True), (34, False)])
+def test_a_servo_is_followed_however_late_up_to_120_ms(lag: int, found: bool) -> None:
+    told = np.cumsum(np.random.default_rng(1).standard_normal((3000, 2)), axis=0)
+    late = Log(0.004 * np.arange(2900), told[100 - lag : -lag], 0.0 * told[100:], None, told[100:])
+    error = (followed(resample(late)) - late.q)[100:]
+    assert (np.abs(error).max() < 1e-3) == found
+
+
+def test_the_commanded_motion_is_blended_in_over_the_first_200_ms() -> None:
+    log = log_at(np.arange(0.0, 20.0, 0.004), lag=0.02)
+    noise = 1e-4 * np.random.default_rng(1).standard_normal(log.q.shape)
+    noisy = replace(log, q=log.q + noise)
+    q, commanded, _ = used_angles(resample(noisy), noisy)
+    assert commanded
+    # how the servo answers is not known of the first 120 ms
+    np.testing.assert_array_equal(q[:30], noisy.q[:30])
+    measured = 1.0 - np.arange(30, 50) / 50
+    for part, share in ((slice(30, 50), measured), (slice(50, None), 0.0 * log.q[50:, 0])):
+        off = q[part] - log.q[part] - share[:, None] * noise[part]
+        assert np.abs(off).max() < 0.1 * np.abs(noise).max()
 
 
 def test_the_filter_takes_signals_of_any_shape_and_none() -> None:

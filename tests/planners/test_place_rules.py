@@ -15,6 +15,7 @@ from irb2400_ctrl.errors import UnreachableError
 from irb2400_ctrl.planners.placement.area import Area, Standing
 from irb2400_ctrl.planners.placement.constant_ways import Ways
 from irb2400_ctrl.planners.placement.search import CLOSER, Search
+from irb2400_ctrl.planners.redundancy.choice import Choice
 from irb2400_ctrl.planners.redundancy.comfort import COMFORTABLE_MARGINS
 from irb2400_ctrl.planners.redundancy.cutting_load import CuttingLoad
 
@@ -180,6 +181,15 @@ def test_rotations_that_vary_are_looked_for_with_patience(
     task = SimpleNamespace(model=model, poses=poses, scene=None, rotation=np.zeros(2))
     found = OUTLOOK._of_task(task, np.eye(4), None, patient)
     assert found is varied if patient else found.refused == "joint limits or a singularity"
+
+
+def test_more_than_comfortable_is_worth_nothing() -> None:
+    nothing: Any = None
+    worth = [
+        Choice("", 0, nothing, nothing, np.array([margin, 1.0, 1.0])).worth
+        for margin in (0.28, 0.31, 0.5)
+    ]
+    assert worth[0] < worth[1] == worth[2]
 
 
 def test_comfortable_ways_come_first_then_short_ones() -> None:

@@ -9,7 +9,7 @@ from sound_logs import sound_log
 
 from irb2400_ctrl.diagnosis import diagnose
 from irb2400_ctrl.diagnosis.sound_logs import sound_logs
-from irb2400_ctrl.identification.understood_logs import understood_logs
+from irb2400_ctrl.identification.understood_logs import said_of, understood_logs
 from irb2400_ctrl.measurement import Log
 from irb2400_ctrl.plausibility import LogCheck, check_log, log_problem
 from irb2400_ctrl.plausibility.channels import channel_problem
@@ -76,7 +76,7 @@ def test_a_diagnosis_and_an_identification_say_it() -> None:
     )
     told = "joint 1 moves at 1.2 times the speed limit of the robot file"
     assert sound_logs(robot, [LOG]).remarkable == (told,)
-    assert understood_logs(robot, [LOG]).notes == [f"{LOG.name}: {told}"]
+    assert said_of(understood_logs(robot, [LOG])) == [f"{LOG.name}: {told}"]
     few = LOG.time < LOG.time[0] + 8.0
     parts = {name: getattr(LOG, name)[few] for name in ("time", "q", "tau")}
     assert told in diagnose(robot, Log(**parts)).weak

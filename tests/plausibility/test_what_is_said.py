@@ -11,6 +11,7 @@ from sound_logs import Drawn, sound_log
 
 import irb2400_ctrl as irb
 from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.identification.understood_logs import understood_logs
 from irb2400_ctrl.plausibility import check_log, log_problem
 from irb2400_ctrl.robot import Body, load_robot
 
@@ -72,6 +73,8 @@ def test_a_robot_file_without_bodies_tells_nothing_of_a_log(mass: float, says: s
     assert says in found.remarks[0]
     assert "irb2400 identify" in found.remarks[0]
     assert log_problem(bare, log) is None
+    # nor does identify call its numbers far off
+    assert [seen.problem for _, seen in understood_logs(bare, [log]).taken] == [None]
     # what the columns show of themselves, and the ranges, count as before
     far = log_problem(bare, replace(log, q=120.0 * log.q, qd=None, q_ref=None))
     assert far is not None

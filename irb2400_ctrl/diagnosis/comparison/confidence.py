@@ -48,7 +48,9 @@ drives and recorders have such details (not part of this project) 0 of 14"""
 LIKELY = 12.0
 """[nats] others nearer than this are alternatives"""
 LIKELY_SHARE = 0.06
-"""and so are those nearer than this share of the finding's own gain"""
+"""and so are those nearer than this share of the finding's own gain, and"""
+ALIKE_SHARE = 0.4
+"""than this of the same group"""
 
 
 def confidence(step: Step) -> float:
@@ -91,25 +93,14 @@ def says_little(effect: Effect, gain: float, share: float) -> bool:
 
 def alternatives(step: Step) -> tuple[str, ...]:
     """Kinds of the library that this log can not exclude, likeliest first."""
-    found: list[str] = []
-    own = step.candidate.kind
-    for alternative in step.alternatives:
-        kind = alternative.candidate.kind
-        if alternative.candidate.known and kind != own and _near(step, alternative):
-            found.append(kind)
-    if step.candidate.known:
-        group = LIBRARY[own].ambiguity.group
-        for alternative in step.alternatives:
-            kind = alternative.candidate.kind
-            near = step.behind(alternative) < 0.4 * step.gain
-            if (
-                alternative.candidate.known
-                and kind != own
-                and near
-                and LIBRARY[kind].ambiguity.group == group
-            ):
-                found.append(kind)
-    return tuple(dict.fromkeys((*found, *_lookalikes(step))))
+    own = step.candidate
+    others = [a for a in step.alternatives if a.candidate.known and a.candidate.kind != own.kind]
+    near = [a.candidate.kind for a in others if _near(step, a)]
+    if own.known:
+        group = LIBRARY[own.kind].ambiguity.group
+        likely = [a.candidate.kind for a in others if step.behind(a) < ALIKE_SHARE * step.gain]
+        near += [kind for kind in likely if LIBRARY[kind].ambiguity.group == group]
+    return tuple(dict.fromkeys((*near, *_lookalikes(step))))
 
 
 def _near(step: Step, other: Alternative) -> bool:

@@ -36,15 +36,12 @@ class Score:
 
     Args:
         gain: log evidence over the base alone [nats].
-        explained: reduction of the whitened sum of squares by the law itself.
-        coefficients, covariance: of the law.
+        coefficients: of the law.
         discrepancy: coefficients of the discrepancy, in units of their own standard deviation.
     """
 
     gain: float
-    explained: float
     coefficients: Array
-    covariance: Array
     discrepancy: Array
 
 
@@ -215,15 +212,14 @@ class Problem:
         k = law.values.shape[2]
         if discrepancy is None or discrepancy.values.shape[2] == 0:
             gram, right = self.projected(law)
-            gain, explained, b, covariance = law_gain(gram, right, expected)
-            return Score(gain, explained, b, covariance, np.zeros(0))
+            return Score(*law_gain(gram, right, expected), np.zeros(0))
         if discrepancy.joints != law.joints:
             raise ValueError("a law and its discrepancy act on the same joints")
         both = RegressorColumns(
             law.joints, np.concatenate([law.values, discrepancy.values], axis=2)
         )
         gram, right = self.projected(both)
-        _, _, b, _ = law_gain(gram[:k, :k], right[:k], expected)
+        _, b = law_gain(gram[:k, :k], right[:k], expected)
         unit = discrepancy_unit(law, b, discrepancy, shares)
         d = len(unit)
         scale = np.concatenate([np.ones(k), unit])
@@ -235,9 +231,9 @@ class Problem:
         gain_discrepancy = 0.5 * (right[k:] @ solved[:, 0] - np.linalg.slogdet(S)[1])
         left_gram = gram[:k, :k] - gram[:k, k:] @ solved[:, 1:]
         left_right = right[:k] - gram[:k, k:] @ solved[:, 0]
-        gain, explained, b, covariance = law_gain(left_gram, left_right, expected)
+        gain, b = law_gain(left_gram, left_right, expected)
         w = np.asarray(np.linalg.solve(S, right[k:] - gram[k:, :k] @ b))
-        return Score(gain + gain_discrepancy, explained, b, covariance, w * unit)
+        return Score(gain + gain_discrepancy, b, w * unit)
 
 
 def _grams(x: Array, g: int, k: int) -> Array:
@@ -284,8 +280,8 @@ def discrepancy_unit(
     )
 
 
-def law_gain(gram: Array, right: Array, expected: Expected) -> tuple[float, float, Array, Array]:
-    """Gain, explained sum of squares, coefficients and covariance of columns with their prior."""
+def law_gain(gram: Array, right: Array, expected: Expected) -> tuple[float, Array]:
+    """Gain and coefficients of columns with their prior."""
     k = len(right)
     if len(expected):
         usual, s = np.array(expected).T
@@ -293,23 +289,16 @@ def law_gain(gram: Array, right: Array, expected: Expected) -> tuple[float, floa
         offset = float(usual @ (right - 0.5 * gram @ usual))
         right = right - gram @ usual
         inside = np.eye(k) + gram * np.outer(s, s)
-        covariance = np.asarray(np.linalg.inv(inside) * np.outer(s, s), dtype=float)
-        b: Array = covariance @ right
-        explained = float(right @ b)
-        gain = offset + 0.5 * (explained - float(np.linalg.slogdet(inside)[1]))
-        return gain, 2 * offset + explained, usual + b, covariance
+        b: Array = s * np.linalg.solve(inside, s * right)
+        return offset + 0.5 * float(right @ b - np.linalg.slogdet(inside)[1]), usual + b
     if k == 1:  # most laws; without matrices
         size_of_one = max(float(gram[0, 0]), 0.0) ** 0.5 + 1e-12
-        variance = 1.0 / (float(gram[0, 0]) + 1e-8 * size_of_one**2)
-        b = variance * right
-        explained = float(right[0] * b[0])
-        return float(g_prior_gain(explained, 1)), explained, b, np.array([[variance]])
+        b = right / (float(gram[0, 0]) + 1e-8 * size_of_one**2)
+        return float(g_prior_gain(float(right[0] * b[0]), 1)), b
     size = np.sqrt(np.maximum(np.diag(gram), 0.0)) + 1e-12
     normal = gram / np.outer(size, size) + 1e-8 * np.eye(k)
-    covariance = np.asarray(np.linalg.inv(normal) / np.outer(size, size), dtype=float)
-    b = covariance @ right
-    explained = float(right @ b)
-    return float(g_prior_gain(explained, k)), explained, b, covariance
+    b = np.linalg.solve(normal, right / size) / size
+    return float(g_prior_gain(float(right @ b), k)), b
 
 
 def law_gains(grams: Array, rights: Array) -> Array:

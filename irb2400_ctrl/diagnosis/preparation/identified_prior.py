@@ -106,6 +106,10 @@ class IdentifiedPrior:
         return updated.model_copy(update={"effects": tuple(effects)})
 
 
+AnyPrior = BasePrior | IdentifiedPrior
+"""what is known of a robot's numbers, of a data sheet or by an identification"""
+
+
 def _identified_rows(base: BasePrior) -> Array:
     """Rows of L for every number of the base in its units, then offsets and rotors, (k + 2 n, ·).
 

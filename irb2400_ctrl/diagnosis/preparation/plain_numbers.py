@@ -7,8 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from irb2400_ctrl.arrays import Array, Mask
-from irb2400_ctrl.diagnosis.preparation.base_prior import BasePrior
-from irb2400_ctrl.diagnosis.preparation.identified_prior import IdentifiedPrior
+from irb2400_ctrl.diagnosis.preparation.identified_prior import AnyPrior
 
 
 @dataclass(frozen=True)
@@ -21,7 +20,7 @@ class PlainNumbers:
         samples: d tau / d z at every sample, shape (m, n, k) [Nm].
     """
 
-    prior: BasePrior | IdentifiedPrior
+    prior: AnyPrior
     columns: Array
     qd: Array
     samples: Array

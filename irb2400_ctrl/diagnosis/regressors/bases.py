@@ -257,6 +257,3 @@ def _flat(basis: ca.SX, rows: list[int]) -> ca.SX:
         if rows and basis.shape[1]
         else ca.SX(0, 1)
     )
-
-
-__all__ = ["Bases", "RegressorColumns"]

@@ -57,9 +57,29 @@ class DerivedSignals:
         return [*motion.scalars, *(one for name in names for one in known[name])]
 
 
+class _Given:
+    """A derived signal, asked for by its name."""
+
+    def __set_name__(self, owner: type, name: str) -> None:
+        self.name = name
+
+    def __get__(self, given: GivenSignals, owner: type) -> ca.SX:
+        return given.given(self.name)
+
+
 class GivenSignals:
     """The signals that one law asks for (implements `effects.Signals`); a law takes them as they
     are: derivatives of them by the angles do not see the arm."""
+
+    load = _Given()
+    gravity_map = _Given()
+    tcp_jacobian = _Given()
+    tool_axes = _Given()
+    tau = _Given()
+    tau_rate = _Given()
+    tau_rates = _Given()
+    tau_jacobian = _Given()
+    mass_matrix = _Given()
 
     def __init__(self, derived: DerivedSignals, state: ca.SX) -> None:
         self._derived = derived
@@ -73,49 +93,14 @@ class GivenSignals:
         self.time = arm.time
         self.sign = arm.sign
 
-    def _given(self, name: str) -> ca.SX:
+    def given(self, name: str) -> ca.SX:
+        """The derived signal of this name."""
         if name not in self.asked:
             self.asked.append(name)
         return self._derived.symbol(name)
 
-    @property
-    def load(self) -> ca.SX:
-        return self._given("load")
-
-    @property
-    def gravity_map(self) -> ca.SX:
-        return self._given("gravity_map")
-
-    @property
-    def tcp_jacobian(self) -> ca.SX:
-        return self._given("tcp_jacobian")
-
-    @property
-    def tool_axes(self) -> ca.SX:
-        return self._given("tool_axes")
-
     def regressor(self, link: int) -> ca.SX:
-        return self._derived.arm.link_columns(self._given("whole_regressor"), link)
-
-    @property
-    def tau(self) -> ca.SX:
-        return self._given("tau")
-
-    @property
-    def tau_rate(self) -> ca.SX:
-        return self._given("tau_rate")
-
-    @property
-    def tau_rates(self) -> ca.SX:
-        return self._given("tau_rates")
-
-    @property
-    def tau_jacobian(self) -> ca.SX:
-        return self._given("tau_jacobian")
-
-    @property
-    def mass_matrix(self) -> ca.SX:
-        return self._given("mass_matrix")
+        return self._derived.arm.link_columns(self.given("whole_regressor"), link)
 
 
 def _nonzeros(matrix: ca.SX) -> ca.SX:

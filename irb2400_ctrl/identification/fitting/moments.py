@@ -91,16 +91,16 @@ class Recording:
     weight: Array | None = None
 
 
-def recordings(motions: Sequence[PreparedLog], given: Sequence[Array]) -> list[Recording]:
+def recordings(motions: Sequence[PreparedLog]) -> list[Recording]:
     """The motions cut into blocks of a second, long ones into longer: about `BLOCKS` in all, as
     many of each log, since an hour of one kind of motion says little of the scatter of another."""
     found = []
     first = 0
-    for motion, torque in zip(motions, given, strict=True):
+    for motion in motions:
         duration = float(motion.time[-1] - motion.time[0])
         seconds = max(1.0, duration * len(motions) / BLOCKS)
         number = ((motion.time - motion.time[0]) / seconds).astype(np.int64)
-        found.append(Recording(motion, first + number, torque))
+        found.append(Recording(motion, first + number, np.zeros_like(motion.tau)))
         first += int(number[-1]) + 1
     return found
 

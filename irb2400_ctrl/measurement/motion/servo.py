@@ -7,19 +7,22 @@ import numpy as np
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.measurement.uniform import UniformLog, widened
 
+SPACING = 0.008
+"""[s] between the taps of the response"""
 LAG = 0.120
 """[s] longest lag of the response"""
 
 
-def followed(log: UniformLog, spacing: float = 0.008) -> Array:
+def followed(log: UniformLog) -> Array:
     """The commanded motion through the fitted servo response, shape (m, n) [rad].
 
-    Taps every `spacing` seconds over 120 ms, least squares on the gap-free samples, unit gain at
-    rest. It follows the measured motion without its noise, so regressors built on it are not
-    correlated with that noise (instrumental variables; Janot, Vandanjon, Gautier 2014).
+    Taps every 8 ms over 120 ms, least squares on the gap-free samples, unit gain at rest; over the
+    first 120 ms the measured angles. It follows the measured motion without its noise, so
+    regressors built on it are not correlated with that noise (instrumental variables; Janot,
+    Vandanjon, Gautier 2014).
     """
     assert log.q_ref is not None
-    stride = max(1, round(spacing / log.step))
+    stride = max(1, round(SPACING / log.step))
     taps = max(2, round(LAG / (stride * log.step)))
     span = stride * taps
     good = ~widened(~log.valid, span)

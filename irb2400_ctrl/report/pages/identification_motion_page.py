@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 from matplotlib.figure import Figure
 
-from irb2400_ctrl.excitation.identification_motion import IdentificationMotion, with_way
+from irb2400_ctrl.excitation.excitation import with_way
+from irb2400_ctrl.excitation.identification_motion import IdentificationMotion
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.report.elements.arm_view import ArmView
 from irb2400_ctrl.report.elements.page import Page, of_limit
