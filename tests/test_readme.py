@@ -7,6 +7,7 @@ import shlex
 import shutil
 import subprocess
 import sys
+from functools import partial
 from pathlib import Path
 
 import pytest
@@ -14,6 +15,7 @@ from command_line import fenced
 from typer.testing import CliRunner
 
 import irb2400_ctrl as irb
+from irb2400_ctrl import excitation
 from irb2400_ctrl.cli.main import app
 from irb2400_ctrl.sweep import load_study
 
@@ -44,6 +46,9 @@ def test_command_lines(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     for name in ("irb2400_ctrl", "examples"):
         shutil.copytree(ROOT / name, tmp_path / name, ignore=shutil.ignore_patterns("*.pyc"))
     monkeypatch.chdir(tmp_path)
+    # a motion is sought among few; tests/excitation has the search
+    few = excitation.Budget(pool=6, rounds=1, mutations=1)
+    monkeypatch.setattr(excitation, "excite", partial(excitation.excite, budget=few))
     said = {}
     for _, *words in LINES:
         if words[0] == "sweep":

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -317,14 +318,21 @@ class _Search:
     def _shows(self, reading: Reading) -> bool:
         """Whether the log can say that the angles are to be read so: not the one of a single joint
         that rests, nor such that a joint leaves its range by far which it keeps as labelled."""
-        travel = np.ptp(self._log.q, axis=0)
+        if reading.keeps_motion:
+            return True
+        travel = self._travel
         room = self._nominal.robot.q_max - self._nominal.robot.q_min
         read = np.ptp(self._log.q @ reading.angles.T, axis=0)
         if ((read > BEYOND * room) & (travel <= room)).any():
             return False
-        if len(reading.joints) != 1 or reading.keeps_motion:
+        if len(reading.joints) != 1:
             return True
         return bool(travel[reading.joints[0] - 1] > RESTS)
+
+    @cached_property
+    def _travel(self) -> Array:
+        """Of each joint as labelled, shape (n,) [rad]."""
+        return np.asarray(np.ptp(self._log.q, axis=0))
 
     def columns_of(self, reading: Reading, rows: Rows) -> tuple[Array, Array]:
         """As of `Nominal.columns`; what was asked last is kept."""

@@ -98,10 +98,10 @@ def _contradicted(log: Log, j: int, run: Run, step: float) -> LogProblem | None:
     if elsewhere.mean() < ELSEWHERE:
         return None
     least = max(TOLD, DIGITS * step, CRAWLS * float(np.ptp(log.q[start:stop, j])))
-    goes = _speed_goes(log, j, run, elsewhere)
+    goes = _speed_goes(log, j, run, elsewhere, least)
     name = "recorded speed"
     if goes < least:
-        goes = _command_goes(log, j, run, elsewhere)
+        goes = _command_goes(log, j, run, elsewhere, least)
         name = "commanded angle"
     if goes < least:
         return None
@@ -117,12 +117,13 @@ def _contradicted(log: Log, j: int, run: Run, step: float) -> LogProblem | None:
     )
 
 
-def _speed_goes(log: Log, j: int, run: Run, elsewhere: Array) -> float:
+def _speed_goes(log: Log, j: int, run: Run, elsewhere: Array, least: float) -> float:
     """How far the recorded speed carries a joint whose angle stands [rad]; 0 where it is noise.
 
     Args:
         log: the record; j: joint from 0; run: where the angle stands, [start, stop).
-        elsewhere: the other samples.
+        elsewhere: the other samples, looked at only where it goes by
+        least: that counts [rad].
     """
     if log.qd is None:
         return 0.0
@@ -133,26 +134,35 @@ def _speed_goes(log: Log, j: int, run: Run, elsewhere: Array) -> float:
     if stop - first < 3:
         return 0.0
     # rows that are written again hold a speed, too
-    fresh = np.any(np.diff(log.tau, axis=0, prepend=np.nan) != 0.0, axis=1)[first:stop]
+    fresh = np.any(np.diff(log.tau[first - 1 : stop], axis=0) != 0.0, axis=1)
+    time = log.time[first:stop]
+
+    def inside(shift: float) -> Array:
+        return np.where(fresh, speed[first:stop] - shift, 0.0)
+
+    def way(shift: float) -> float:
+        return float(np.ptp(cumulative_trapezoid(inside(shift), time, initial=0)))
+
+    if way(0.0) < least:
+        return 0.0
     derived = np.gradient(log.q[:, j], log.time)[elsewhere]
     offset = float(np.polynomial.polynomial.polyfit(derived, speed[elsewhere], 1)[0])
     found = []
     # of a speed with another unit, or a late one, the offset is not known: both must tell of motion
     for shift in (0.0, offset):
-        inside = np.where(fresh, speed[first:stop] - shift, 0.0)
         usual = np.sqrt(np.mean((speed[elsewhere] - shift) ** 2))
-        goes = np.sqrt(np.mean(inside**2)) > SPEED_SHARE * usual
-        path = cumulative_trapezoid(inside, log.time[first:stop], initial=0)
-        found.append(float(np.ptp(path)) if goes else 0.0)
+        goes = np.sqrt(np.mean(inside(shift) ** 2)) > SPEED_SHARE * usual
+        found.append(way(shift) if goes else 0.0)
     return min(found)
 
 
-def _command_goes(log: Log, j: int, run: Run, elsewhere: Array) -> float:
+def _command_goes(log: Log, j: int, run: Run, elsewhere: Array, least: float) -> float:
     """How far the commanded angle goes while the angle stands [rad]; 0 where it proves nothing.
 
     Args:
         log: the record; j: joint from 0; run: where the angle stands, [start, stop).
-        elsewhere: the other samples.
+        elsewhere: the other samples, looked at only where it goes by
+        least: that counts [rad].
     """
     if log.q_ref is None:
         return 0.0
@@ -165,9 +175,11 @@ def _command_goes(log: Log, j: int, run: Run, elsewhere: Array) -> float:
     others = np.delete(np.ptp(log.q[(start + last) // 2 : last], axis=0), j)
     if not (others > MOVES).any():
         return 0.0
-    asked = log.q_ref[start:last, j]
+    goes = float(np.ptp(log.q_ref[start:last, j]))
+    if goes < least:
+        return 0.0
     error = log.q_ref[:, j] - log.q[:, j]
     error = error - np.median(error[elsewhere])
     apart = np.abs(error[start:last]).max()
     usual = np.quantile(np.abs(error[elsewhere]), 0.99)
-    return float(np.ptp(asked)) if apart > FARTHER * usual else 0.0
+    return goes if apart > FARTHER * usual else 0.0

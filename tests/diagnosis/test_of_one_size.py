@@ -39,9 +39,8 @@ def test_torques_that_are_late_each_in_its_own_way_are_no_delay_of_all_joints() 
     assert ("time_delay", None) not in found
 
 
-@pytest.mark.parametrize(
-    ("seed", "number"), [(20261721, 14), pytest.param(20261601, 4, marks=pytest.mark.slow)]
-)
+@pytest.mark.slow
+@pytest.mark.parametrize(("seed", "number"), [(20261721, 14), (20261601, 4)])
 def test_a_liquid_at_the_tool_is_no_delay_of_all_joints(seed: int, number: int) -> None:
     """It was one of 1 ms at 0.91 and 0.96: 1.2 ± 0.2 ms on axis 1, 0.2 ± 0.2 on axis 2."""
     (arm,) = (one for one in plan(seed) if (one.suite, one.number) == ("outside", number))

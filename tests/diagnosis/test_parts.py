@@ -70,7 +70,10 @@ def test_memory_is_exact_for_an_oscillator() -> None:
     step = 0.02
     m = 200
     frequency = np.array([[5.0, 40.0]])
-    (x, _), begun, _ = memory.states([np.ones((m, 1))], step, [frequency], (m, 2))
+    asked = ([np.ones((m, 1))], step, [frequency], (m, 2))
+    (x, _), begun, _ = memory.states(*asked, 2)
+    # of states that have no beginning of their own none is followed
+    assert [len(memory.states(*asked, beginnings)) for beginnings in (0, 1)] == [1, 2]
     t = step * np.arange(m)[:, None]
     damped = np.sqrt(1 - zeta**2) * frequency
     envelope = np.exp(-zeta * frequency * t)

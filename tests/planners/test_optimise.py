@@ -119,12 +119,12 @@ def test_the_torque_rate_of_the_robot_file_is_kept(robot: irb.Robot) -> None:
         for joint, rate in zip(robot.joints, [None, *most[1:].tolist()], strict=True)
     ]
     limited = robot.model_copy(update={"joints": tuple(joints)})
-    found = optimise_motion(limited, drawn(2, 3), intervals=60)
+    found = optimise_motion(limited, drawn(2, 3), intervals=40)
     assert (found.motion.torque_rate[1:] <= most[1:] * (1 + 1e-6)).all()
     assert found.motion.torque_rate[0] > most[0]
     assert found.motion.guaranteed
     # what is asked for can only be less
-    both = optimise_motion(limited, drawn(2, 3), torque_rate=2 * most, intervals=60)
+    both = optimise_motion(limited, drawn(2, 3), torque_rate=2 * most, intervals=40)
     assert (both.motion.torque_rate[1:] <= most[1:] * (1 + 1e-6)).all()
     keeps_limits_at_10_kHz(robot, found)
 

@@ -21,9 +21,9 @@ ROBOT = load_robot("irb2400")
 MODEL = Model(ROBOT)
 
 
-def corner() -> ToolPath:
-    """Two sides of a square: between them the tool nearly stops."""
-    points = np.array([[0.9, -0.1, 0.5], [0.9, 0.1, 0.5], [1.1, 0.1, 0.5]])
+def corner(side: float = 0.2) -> ToolPath:
+    """Two sides of a square [m]: between them the tool nearly stops."""
+    points = np.array([[0.9, 0.1 - side, 0.5], [0.9, 0.1, 0.5], [0.9 + side, 0.1, 0.5]])
     return builders.way_points(points, np.tile([0.0, 0.0, 1.0], (3, 1)))
 
 
@@ -85,7 +85,7 @@ def test_effects_without_a_bound_of_their_slope_are_looked_at() -> None:
     ]
     robot = ROBOT.with_effects(*effects)
     plan = plan_path(
-        robot, corner(), rate=10_000.0, free_tool_rotation=False, torque_rate=20 * robot.tau_max
+        robot, corner(0.05), rate=10_000.0, free_tool_rotation=False, torque_rate=20 * robot.tau_max
     )
     # torque is bounded, its rate is not: nothing is promised
     assert plan.max_torque_ratio <= 1.0

@@ -60,7 +60,8 @@ def timed() -> RateLimitedLaw:
     return time_rate_limited(DYNAMICS, random_path(0), rated(20))
 
 
-SEEDS = [range(12), pytest.param(range(12, 50), marks=pytest.mark.slow)]
+# one path at each rate
+SEEDS = [range(4), pytest.param(range(4, 50), marks=pytest.mark.slow)]
 
 
 @pytest.mark.parametrize("seeds", SEEDS, ids=["few", "many"])
@@ -164,7 +165,7 @@ def test_duration_against_a_reference_of_another_kind(seed: int, rate: float) ->
     path = random_path(seed)
     limits = rated(rate)
     law = time_rate_limited(DYNAMICS, path, limits, count=100)
-    reference = reference_duration(DYNAMICS, path, limits, law, 1000)
+    reference = reference_duration(DYNAMICS, path, limits, law, 500)
     assert law.duration < 1.005 * reference
     assert law.duration > 0.999 * reference
 

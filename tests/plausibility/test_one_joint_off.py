@@ -31,9 +31,9 @@ from irb2400_ctrl.robot import load_robot
 ROBOT = load_robot("irb2400")
 
 
-def log(joint: int, times: float) -> Log:
+def log(joint: int, times: float, duration: float = 25.0) -> Log:
     """Of a sound arm, with a spring on a joint (from 1) that is so many times its own torque."""
-    read = Case(77, duration=25.0, validation_duration=3.0).simulate()[0]
+    read = Case(77, duration=duration, validation_duration=3.0).simulate()[0]
     angle = read.q[:, joint - 1] - read.q[:, joint - 1].mean()
     tau = read.tau.copy()
     own = np.sqrt(np.mean(tau[:, joint - 1] ** 2))
@@ -47,7 +47,7 @@ def log(joint: int, times: float) -> Log:
 def test_a_spring_larger_than_all_that_its_joint_has_is_no_other_robot(joint: int) -> None:
     """One of joint 7 was told as the zero of joint 6, 90 degrees off; one of joint 5 as another
     robot."""
-    given = log(joint, 4.0)
+    given = log(joint, 4.0, 14.0)
     found = understand(ROBOT, given)
     assert found is not None
     assert (np.flatnonzero(found.labelled.left > SOUND_LEFT) == [joint - 1]).all()

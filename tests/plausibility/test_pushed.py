@@ -51,7 +51,10 @@ def log(times: str, size: float, in_tool_frame: bool = False) -> Log:
 
 
 @pytest.mark.parametrize("times", TIMES)
-@pytest.mark.parametrize(("size", "in_tool_frame"), [(150.0, False), (300.0, False), (300.0, True)])
+@pytest.mark.parametrize(
+    ("size", "in_tool_frame"),
+    [(150.0, False), pytest.param(300.0, False, marks=pytest.mark.slow), (300.0, True)],
+)
 def test_a_force_at_the_tool_makes_no_other_robot_of_an_arm(
     times: str, size: float, in_tool_frame: bool
 ) -> None:

@@ -27,7 +27,9 @@ def rotor_torque(log: Log, joint: int) -> npt.NDArray[np.float64]:
     return np.asarray(rms[0] / rms[1] * qdd)
 
 
-@pytest.mark.parametrize("seed", [1, 5, 9])
+@pytest.mark.parametrize(
+    "seed", [1, *(pytest.param(seed, marks=pytest.mark.slow) for seed in (5, 9))]
+)
 def test_a_rotor_that_the_file_does_not_state_is_no_wrong_column(seed: int) -> None:
     """Arms whose rotors need three times the torque of all else were another robot, or their
     torques in another unit."""

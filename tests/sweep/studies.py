@@ -101,9 +101,9 @@ def dies_always(study: Study, index: int) -> CaseOutcome:
     return quick(study, index)
 
 
-def dies_four_times(study: Study, index: int) -> CaseOutcome:
-    """Case 7 takes its worker down four times; it is marked as 107, which no other work is."""
-    if index == 7 and mark(100 + index) <= 4:
+def dies_twice(study: Study, index: int) -> CaseOutcome:
+    """Case 7 takes its worker down twice; it is marked as 107, which no other work is."""
+    if index == 7 and mark(100 + index) <= 2:
         os._exit(17)
     return quick(study, index)
 

@@ -228,7 +228,7 @@ class _Law:
             quiet = rest[:: self.k_law]
         else:
             quiet = self.begun(*inputs, *states, *theta)
-        for column, other in enumerate(trajectories[1 : 1 + self.free]):
+        for column, other in enumerate(trajectories[1:]):
             moved = self.begun(*inputs, *other, *theta)
             for joint in range(len(self.joints)):
                 yield joint, self.k + column, moved[joint] - quiet[joint]
@@ -243,7 +243,9 @@ class _Law:
         for part in motion.parts:  # every log begins anew
             own = [signal[part] for signal in inputs]
             shape = (part.stop - part.start, points)
-            found.append(self.memory.states(own, motion.step, theta, shape))
+            found.append(self.memory.states(own, motion.step, theta, shape, self.free))
+        if len(found) == 1:
+            return found[0]
         return [
             [np.concatenate([log[k][i] for log in found]) for i in range(len(found[0][k]))]
             for k in range(len(found[0]))

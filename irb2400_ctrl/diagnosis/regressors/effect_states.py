@@ -39,10 +39,15 @@ class Memory:
         self._evaluate = Vectorised([*scalars, *theta], ca.vertcat(*inside, b, steady))
 
     def states(
-        self, inputs: list[Array], step: float, theta: list[Array], shape: tuple[int, int]
+        self,
+        inputs: list[Array],
+        step: float,
+        theta: list[Array],
+        shape: tuple[int, int],
+        beginnings: int,
     ) -> list[list[Array]]:
         """Trajectories of each state over samples and grid points, `shape` (m, g): begun in the
-        steady state, then begun one unit off in each state.
+        steady state, then begun one unit off in each of the first `beginnings` states.
 
         Args:
             inputs: (m, 1); step: [s]; theta: (1, g).
@@ -57,7 +62,8 @@ class Memory:
             own = inside[place * n * n : (place + 1) * n * n]
             A = [own[i * n : i * n + n] for i in range(n)]
             first = [np.broadcast_to(steady[i], shape)[0] for i in block]
-            begun.append(_trajectories(A, [b[i] for i in block], first, step, shape))
+            off = sum(i < beginnings for i in block)
+            begun.append(_trajectories(A, [b[i] for i in block], first, step, shape, off))
         quiet = [x for block in begun for x in block[0]]
         trajectories = [quiet]
         for block, found in zip(self._blocks, begun, strict=True):
@@ -69,12 +75,21 @@ class Memory:
 
 
 def _trajectories(
-    A: list[list[Array]], b: list[Array], first: list[Array], step: float, shape: tuple[int, int]
+    A: list[list[Array]],
+    b: list[Array],
+    first: list[Array],
+    step: float,
+    shape: tuple[int, int],
+    off: int,
 ) -> list[list[Array]]:
-    """One or two states that depend on each other: begun in the steady state `first`, then one unit
-    off in each.
+    """One or two states that depend on each other: begun in the steady state, then one unit off in
+    each of the first.
 
-    A, b of any shape that broadcasts to `shape`: what does not change is not spread out.
+    Args:
+        A, b: of any shape that broadcasts to `shape`: what does not change is not spread out.
+        first: the steady state; step: [s].
+        shape: samples, grid points.
+        off: in how many states.
     """
     n = len(b)
     inside = (shape[0] - 1, shape[1])
@@ -83,7 +98,7 @@ def _trajectories(
     b = [_between(v) for v in b]
     E, add = _scalar(A[0][0], b[0], step) if n == 1 else _pair(A, b, step)
     starts = [first]
-    for k in range(n):
+    for k in range(off):
         # one unit of a rate is small against one of its state: give it the size of a swing
         swing = np.sqrt(np.abs(np.broadcast_to(A[1][0], inside)[0]) + 1e-12) if k else 1.0
         starts.append([first[i] + (swing if i == k else 0.0) for i in range(n)])
