@@ -52,7 +52,7 @@ from irb2400_ctrl.identification.odd_logs import odd_logs
 from irb2400_ctrl.identification.understood_logs import borne_out, said_of, understood_logs
 from irb2400_ctrl.measurement import Log
 from irb2400_ctrl.model import Model
-from irb2400_ctrl.plausibility.channels import NO_MOTION
+from irb2400_ctrl.plausibility.columns.channels import NO_MOTION
 from irb2400_ctrl.robot import Body, Identified, Robot
 from irb2400_ctrl.typed import typed
 

@@ -14,7 +14,7 @@ from irb2400_ctrl.measurement.log_facts import LogFacts, log_facts
 from irb2400_ctrl.measurement.prepared_log import prepare
 from irb2400_ctrl.measurement.time_base import with_time_base
 from irb2400_ctrl.model.plausibility import unknown_bodies
-from irb2400_ctrl.plausibility.agreement import (
+from irb2400_ctrl.plausibility.columns.agreement import (
     command_problem,
     command_remarks,
     plan_remarks,
@@ -22,14 +22,14 @@ from irb2400_ctrl.plausibility.agreement import (
     speed_remarks,
     speeds_agree,
 )
-from irb2400_ctrl.plausibility.channels import channel_problem
+from irb2400_ctrl.plausibility.columns.channels import channel_problem
+from irb2400_ctrl.plausibility.columns.standing import standing_remarks
 from irb2400_ctrl.plausibility.cost_of_noise import torque_from_angle_noise
 from irb2400_ctrl.plausibility.criteria import SOUND_LEFT, percent
 from irb2400_ctrl.plausibility.parts import FRICTIONLESS, silent_problem
 from irb2400_ctrl.plausibility.problem import LogProblem, named
 from irb2400_ctrl.plausibility.rows import SHORTEST
 from irb2400_ctrl.plausibility.search import Understanding, understand
-from irb2400_ctrl.plausibility.standing import standing_remarks
 from irb2400_ctrl.plausibility.travel import fastest, haste_problem, travel_problem, travelled
 from irb2400_ctrl.robot import Robot
 from irb2400_ctrl.typed import typed

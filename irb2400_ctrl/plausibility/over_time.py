@@ -18,8 +18,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from irb2400_ctrl.arrays import Array, Integers
+from irb2400_ctrl.plausibility.columns.jumps import MOVES
 from irb2400_ctrl.plausibility.evidence import Nominal
-from irb2400_ctrl.plausibility.jumps import MOVES
 from irb2400_ctrl.plausibility.problem import named
 from irb2400_ctrl.plausibility.rows import Rows
 

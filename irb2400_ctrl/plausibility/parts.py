@@ -14,8 +14,8 @@ import numpy as np
 from irb2400_ctrl.arrays import Array, rms
 from irb2400_ctrl.measurement.log import Log
 from irb2400_ctrl.model import Model
+from irb2400_ctrl.plausibility.columns.jumps import MOVES
 from irb2400_ctrl.plausibility.evidence import Fit, Nominal
-from irb2400_ctrl.plausibility.jumps import MOVES
 from irb2400_ctrl.plausibility.problem import LogProblem, named
 from irb2400_ctrl.plausibility.rows import MOST, Rows
 from irb2400_ctrl.robot import Robot

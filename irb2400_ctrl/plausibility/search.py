@@ -10,6 +10,7 @@ import numpy as np
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.measurement.log import Log
+from irb2400_ctrl.plausibility.columns.jumps import MOVES
 from irb2400_ctrl.plausibility.criteria import (
     FITS_PRICE,
     MARGIN,
@@ -24,7 +25,6 @@ from irb2400_ctrl.plausibility.criteria import (
     strange,
 )
 from irb2400_ctrl.plausibility.evidence import MISFITS, Fit, Nominal
-from irb2400_ctrl.plausibility.jumps import MOVES
 from irb2400_ctrl.plausibility.mounting import mounting_problem
 from irb2400_ctrl.plausibility.over_time import disagreement
 from irb2400_ctrl.plausibility.parts import best_part, hold_no_friction

@@ -12,7 +12,7 @@ from measured_logs import made, same
 
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.measurement import Log, read_log
-from irb2400_ctrl.plausibility.channels import channel_problem
+from irb2400_ctrl.plausibility.columns.channels import channel_problem
 
 J = range(1, 7)
 LOG = made()

@@ -11,7 +11,7 @@ import pytest
 from irb2400_ctrl.measurement import Log
 from irb2400_ctrl.measurement.motion.held_samples import new_rows, released
 from irb2400_ctrl.measurement.prepared_log import prepare
-from irb2400_ctrl.plausibility.channels import channel_problem
+from irb2400_ctrl.plausibility.columns.channels import channel_problem
 
 RATE = 250.0
 TIME = np.arange(0.0, 12.0, 1.0 / RATE)

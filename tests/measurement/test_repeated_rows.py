@@ -13,7 +13,7 @@ from irb2400_ctrl.measurement import Log
 from irb2400_ctrl.measurement.motion.held_samples import released
 from irb2400_ctrl.measurement.prepared_log import prepare
 from irb2400_ctrl.plausibility import log_problem
-from irb2400_ctrl.plausibility.jumps import uncounted
+from irb2400_ctrl.plausibility.columns.jumps import uncounted
 
 RATE = 250.0
 

@@ -12,7 +12,7 @@ from irb2400_ctrl.diagnosis.sound_logs import sound_logs
 from irb2400_ctrl.identification.understood_logs import said_of, understood_logs
 from irb2400_ctrl.measurement import Log
 from irb2400_ctrl.plausibility import LogCheck, check_log, log_problem
-from irb2400_ctrl.plausibility.channels import channel_problem
+from irb2400_ctrl.plausibility.columns.channels import channel_problem
 from irb2400_ctrl.plausibility.evidence import Fit, Nominal
 from irb2400_ctrl.plausibility.log_check import _beyond_limits, _perhaps, examined
 from irb2400_ctrl.plausibility.reading import as_labelled, motion_readings, torque_readings

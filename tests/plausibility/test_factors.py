@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from irb2400_ctrl.measurement import Log
-from irb2400_ctrl.plausibility.agreement import speed_problem
+from irb2400_ctrl.plausibility.columns.agreement import speed_problem
 
 AMPLITUDE = np.array([0.25, 0.2, 0.3])
 

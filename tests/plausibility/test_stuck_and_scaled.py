@@ -12,8 +12,8 @@ from sound_logs import sound_log
 
 from irb2400_ctrl.measurement import Log
 from irb2400_ctrl.plausibility import LogProblem, log_problem
-from irb2400_ctrl.plausibility.agreement import speed_problem
-from irb2400_ctrl.plausibility.channels import channel_problem
+from irb2400_ctrl.plausibility.columns.agreement import speed_problem
+from irb2400_ctrl.plausibility.columns.channels import channel_problem
 from irb2400_ctrl.plausibility.log_check import examined
 
 STEP = 0.004

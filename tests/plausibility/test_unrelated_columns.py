@@ -9,7 +9,7 @@ import pytest
 
 from irb2400_ctrl.measurement import Log
 from irb2400_ctrl.plausibility import check_log
-from irb2400_ctrl.plausibility.agreement import command_remarks, plan_remarks, speed_remarks
+from irb2400_ctrl.plausibility.columns.agreement import command_remarks, plan_remarks, speed_remarks
 
 TIME = np.arange(0.0, 20.0, 0.008)
 RATE = np.array([1.0, 1.3, 1.7, 2.1, 2.6, 0.0])

@@ -11,7 +11,7 @@ from scipy.optimize import linear_sum_assignment
 from irb2400_ctrl.arrays import Array, Mask, rms
 from irb2400_ctrl.measurement.log import Log
 from irb2400_ctrl.measurement.log_facts import LAG
-from irb2400_ctrl.plausibility.factors import filled, one_factor, quotients, trapezoid_loss
+from irb2400_ctrl.plausibility.columns.factors import filled, one_factor, quotients, trapezoid_loss
 from irb2400_ctrl.plausibility.problem import LogProblem, named
 
 DEGREES = 180.0 / np.pi

@@ -7,7 +7,7 @@ import numpy as np
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.measurement.log import Log
 from irb2400_ctrl.measurement.log_facts import digit
-from irb2400_ctrl.plausibility.runs import stretches
+from irb2400_ctrl.plausibility.columns.runs import stretches
 
 OVER = 0.04
 """[s] of a difference quotient"""

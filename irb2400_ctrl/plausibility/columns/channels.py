@@ -10,11 +10,11 @@ from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.measurement.log import Log
 from irb2400_ctrl.measurement.log_facts import digit
 from irb2400_ctrl.measurement.motion.held_samples import released
-from irb2400_ctrl.plausibility.jumps import MOVES, bend_of, cut, spikes, uncounted, wrapped
+from irb2400_ctrl.plausibility.columns.jumps import MOVES, bend_of, cut, spikes, uncounted, wrapped
+from irb2400_ctrl.plausibility.columns.runs import held, runs, stretches
+from irb2400_ctrl.plausibility.columns.standing import standing_problem
+from irb2400_ctrl.plausibility.columns.torques import clipped, torque_problem
 from irb2400_ctrl.plausibility.problem import LogProblem
-from irb2400_ctrl.plausibility.runs import held, runs, stretches
-from irb2400_ctrl.plausibility.standing import standing_problem
-from irb2400_ctrl.plausibility.torques import clipped, torque_problem
 
 LEAST = 20
 """samples of a log that can be looked at"""

@@ -9,9 +9,9 @@ from scipy.ndimage import maximum_filter1d, minimum_filter1d
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.measurement.log import Log
 from irb2400_ctrl.measurement.log_facts import LAG, digit
-from irb2400_ctrl.plausibility.jumps import MOVES
+from irb2400_ctrl.plausibility.columns.jumps import MOVES
+from irb2400_ctrl.plausibility.columns.runs import Run, stretches
 from irb2400_ctrl.plausibility.problem import LogProblem
-from irb2400_ctrl.plausibility.runs import Run, stretches
 
 WINDOW = 0.5
 """[s] in which a standing angle stays within"""

@@ -7,10 +7,10 @@ import numpy as np
 from irb2400_ctrl.arrays import Array, Mask
 from irb2400_ctrl.measurement.log import Log
 from irb2400_ctrl.measurement.log_facts import digit, neighbour_noise
-from irb2400_ctrl.plausibility.factors import quotients
-from irb2400_ctrl.plausibility.jumps import MOVES
+from irb2400_ctrl.plausibility.columns.factors import quotients
+from irb2400_ctrl.plausibility.columns.jumps import MOVES
+from irb2400_ctrl.plausibility.columns.runs import held, runs
 from irb2400_ctrl.plausibility.problem import LogProblem, named
-from irb2400_ctrl.plausibility.runs import held, runs
 
 FINE = 0.5
 """digit over noise of a column in which a value does not stay by chance"""

@@ -1,0 +1,1 @@
+"""What the columns of a log show of themselves, without any robot."""
