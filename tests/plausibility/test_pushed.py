@@ -67,8 +67,9 @@ def test_a_force_at_the_tool_makes_no_other_robot_of_an_arm(
 
 
 def test_it_is_said() -> None:
-    (said,) = check_log(ROBOT, log("half", 200.0)).remarks
-    assert "force at the tool" in said
+    when, what = check_log(ROBOT, log("half", 200.0)).remarks
+    assert "does not go with the rest of the log" in when
+    assert "force at the tool" in what
 
 
 def test_it_is_named() -> None:

@@ -73,8 +73,8 @@ def test_a_rotor_that_the_file_states_is_known_to_a_third() -> None:
     assert nominal.rotors.tolist() == [0.0, 6.0, 0.0, 0.0, 0.0, 0.0]
     rows = rows_of(other_arm_log(1).log)
     assert rows is not None
-    size = np.full(6, 10.0)
-    spreads = nominal.with_unknown_rotors()._drive_spreads(rows, size)
+    rows = rows.with_torque(np.full_like(rows.tau, 10.0))
+    spreads = nominal.with_unknown_rotors()._drive_spreads(rows)
     assert spreads.shape == (4, 6)
     assert spreads[2, 1] == pytest.approx(1.8)
     push = np.sqrt(np.mean(rows.qdd**2, axis=0))

@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 from irb2400_ctrl.measurement import Log
-from irb2400_ctrl.plausibility import LogProblem, jumps, log_problem
+from irb2400_ctrl.plausibility import LogProblem, log_problem
+from irb2400_ctrl.plausibility.columns import jumps
 
 RATE = 125.0
 
