@@ -265,6 +265,19 @@ def test_a_file_with_a_mistake_is_refused_and_leaves_no_trace(
     assert before == LIBRARY
 
 
+def test_a_field_that_grid_does_not_name_is_a_coefficient_of_a_column(tmp_path: Path) -> None:
+    lost = page().replace('{"taut_rad": 0.05 * k}', "{}")
+    (tmp_path / "mine.py").write_text(lost.replace("taut_hose", "slack_hose"))
+    load_effects(tmp_path / "mine.py")
+    try:
+        hose = LIBRARY["slack_hose"].of(3, stiffness_Nm_rad=100.0, taut_rad=0.2)
+        arm = irb.load_robot("irb2400").with_effects(hose)
+        with pytest.raises(InputError, match=r"1 column, expected 2, .*taut_rad.* key of grid"):
+            irb.Model(arm).gravity(np.zeros(6))
+    finally:
+        del LIBRARY["slack_hose"]
+
+
 def test_two_files_cannot_define_one_kind(folder: Path, tmp_path: Path) -> None:
     (tmp_path / "copy.py").write_text(page())
     load_effects(folder / "taut_hose.py")
