@@ -102,4 +102,18 @@ def _compared(robot: Robot, log: Log) -> LogComparison:
     # with the time base rebuilt
     m = prepare(log, quiet=True)
     modelled = predicted_torque(robot, m)
-    return LogComparison(log.name, m.time, m.q, m.qd, m.tau, modelled, m.known, m.remarks)
+    remarks = (*_seen_before(robot, log), *m.remarks)
+    return LogComparison(log.name, m.time, m.q, m.qd, m.tau, modelled, m.known, remarks)
+
+
+def _seen_before(robot: Robot, log: Log) -> tuple[str, ...]:
+    """What is to be said of a log from which the robot was identified."""
+    name = Path(log.name).name
+    known = () if robot.identified is None else robot.identified.logs
+    # a log of a script may have no name of its own
+    if not Path(name).suffix or name not in {Path(one).name for one in known}:
+        return ()
+    return (
+        f"the robot was identified from {name}: its numbers fit this log better than another "
+        "motion, as the errors that `identify` printed of unseen stretches",
+    )

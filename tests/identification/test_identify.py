@@ -88,6 +88,9 @@ def test_validate_takes_several_logs(found: Identification, logs: list[irb.Log])
         assert row[4] == pytest.approx(100.0 * row[2] / row[3])
     told = "\n".join(lines(both))
     assert "all logs" in told
+    seen, unseen = (any("was identified from" in said for said in log.remarks) for log in both.logs)
+    assert seen
+    assert not unseen
     with pytest.raises(InputError, match="found no log"):
         validate(found.robot, [])
 
