@@ -142,7 +142,8 @@ def test_words_of_machine_and_listing_are_noted(tmp_path: Path) -> None:
     text = (
         "PARTNO A\nUNITS/MM\nMACHIN/X,1\nGOTO/100,0,0\nINSERT G4 P2\nDELAY/2\nPPRINT LOOK OUT\n"
         "UNCLAMP/BAXIS\nLOCK/BAXIS\nPOWER/ON\n"
-        "GOTO/100,20,0\nPAINT/COLOR,1\nPAINT/COLOR,2\nOPSTOP\nGOTO/100,40,0\nREMARK/GOTO\nFINI\n"
+        "GOTO/100,20,0\nPAINT/COLOR,1\nPAINT/COLOR,2\nOPSTOP\nGOTO/100,40,0\nREMARK/GOTO\n"
+        "SWITCH/2\nOPSKIP/ON\nFINI\n"
     )
     program = read_program(written(tmp_path, text))
     assert [len(o.path) for o in program.operations] == [2, 2]
@@ -151,7 +152,7 @@ def test_words_of_machine_and_listing_are_noted(tmp_path: Path) -> None:
     paint = next(n for n in program.of_kind("ignored") if n.text == "PAINT/")
     assert (paint.line, paint.count) == (12, 2)
     assert any(n.text == "UNCLAMP/" for n in program.of_kind("ignored"))
-    for word in ("INSERT/G4 P2", "LOCK/BAXIS", "POWER/ON"):
+    for word in ("INSERT/G4 P2", "LOCK/BAXIS", "POWER/ON", "SWITCH/2", "OPSKIP/ON"):
         assert f"{word}: machine code, not carried out" in str(program.of_kind("assumed"))
 
 
