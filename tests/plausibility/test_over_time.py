@@ -75,6 +75,17 @@ def test_a_log_in_two_units_is_not_another_robots_alone() -> None:
     assert not any("with the rest of the log" in remark for remark in told.remarks)
 
 
+def test_a_second_that_differs_is_no_stretch() -> None:
+    """Axis 5 of this sound log leaves half of its torque for a second of thirty."""
+    one = sound_log(700105)
+    rows = rows_of(one.log)
+    assert rows is not None
+    worst = max(stretches(Nominal(one.robot), rows), key=lambda found: found.gain)
+    assert worst.gain > 15.0
+    assert worst.share > 0.3
+    assert not worst.told
+
+
 @pytest.mark.parametrize("make", [other_arm_log, sound_log], ids=["other arms", "IRB 2400"])
 def test_nothing_is_told_of_sound_logs(make: Callable[[int], Drawn]) -> None:
     for seed in range(820000, 820004):
