@@ -129,7 +129,7 @@ def over_time(count: int, seed: int) -> None:
     from sound_logs import sound_log
 
     from irb2400_ctrl.plausibility.evidence import Nominal
-    from irb2400_ctrl.plausibility.over_time import disagreement
+    from irb2400_ctrl.plausibility.over_time import GAIN, disagreement, stretches
     from irb2400_ctrl.plausibility.rows import rows_of
 
     changes = {
@@ -142,6 +142,7 @@ def over_time(count: int, seed: int) -> None:
         "0.2 s late from then on": lambda tau, late: np.where(late, np.interp(then, at, tau), tau),
     }
     told: Counter[str] = Counter()
+    nearest = 0.0
     for k in range(count):
         drawn = (other_arm_log if k % 2 else sound_log)(seed + k)
         rows = rows_of(drawn.log)
@@ -149,6 +150,8 @@ def over_time(count: int, seed: int) -> None:
             continue
         rng = np.random.default_rng([seed, k])
         joint = int(rng.integers(drawn.robot.n))
+        whole = stretches(Nominal(drawn.robot), rows)
+        nearest = max(nearest, *(found.gain * found.share for found in whole))
         at = rows.time
         then = at - 0.2
         start = at[0] + rng.uniform(0.3, 0.6) * np.ptp(at)
@@ -161,6 +164,7 @@ def over_time(count: int, seed: int) -> None:
             told[name] += f"joint {joint + 1} does" in said or (name == "sound" and bool(said))
     for name in changes:
         print(f"{name:<28} {told[name]:3} of {count} told")
+    print(f"gain times share of sound logs: at most {nearest:.1f} (told above {GAIN:.0f})")
     print(f"seed {seed}")
 
 

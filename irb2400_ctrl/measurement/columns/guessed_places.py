@@ -20,6 +20,7 @@ from irb2400_ctrl.measurement.columns.rates import (
     ALIKE,
     GOES_WITH,
     LEAST,
+    MOST_ROWS,
     STILL,
     WIDTH,
     correlation,
@@ -28,8 +29,6 @@ from irb2400_ctrl.measurement.columns.rates import (
 from irb2400_ctrl.measurement.columns.recorder_names import unit_by_step
 from irb2400_ctrl.measurement.columns.suggested_map import DEGREES
 
-MOST_ROWS = 20_000
-"""that are looked at"""
 STRAIGHT = 0.01
 """of its span, that a time may be off the straight line"""
 SMOOTHER = 5.0

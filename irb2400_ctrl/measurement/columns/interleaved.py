@@ -13,13 +13,12 @@ from irb2400_ctrl.measurement.columns.rates import (
     ALIKE,
     GOES_WITH,
     LEAST,
+    MOST_ROWS,
     WIDTH,
     correlation,
     rates,
 )
 
-MOST_ROWS = 20_000
-"""that are looked at"""
 _PLACE = re.compile(r"(.+)\[(\d+)\]")
 
 

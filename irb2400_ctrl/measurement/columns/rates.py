@@ -8,6 +8,8 @@ import numpy as np
 
 from irb2400_ctrl.arrays import Array, Mask
 
+MOST_ROWS = 20_000
+"""that are looked at"""
 WIDTH = 8
 """rows over which changes are taken"""
 GOES_WITH = 0.9
