@@ -12,6 +12,7 @@ from irb2400_ctrl.effects.ambiguity import FRICTION_LEVEL, Ambiguity
 from irb2400_ctrl.effects.base import Effect
 from irb2400_ctrl.effects.drawing import Drawing
 from irb2400_ctrl.effects.prior import Prior
+from irb2400_ctrl.effects.search import Search
 from irb2400_ctrl.effects.signals import Signals
 
 
@@ -27,7 +28,10 @@ class LoadFriction(Effect):
     )
     example: ClassVar[Mapping[str, Any]] = {"coefficient": 0.05}
     ambiguity: ClassVar[Ambiguity] = FRICTION_LEVEL
-    prior: ClassVar[Prior] = Prior(leftover=("speed", "friction over load"), lasting=1)
+    prior: ClassVar[Prior] = Prior(
+        leftover=("speed", "friction over load"), lasting=1, fixed=("reference_Nm",)
+    )
+    search: ClassVar[Search] = Search(at_usual_load="reference_Nm")
     drawing: ClassVar[Drawing] = Drawing("load", against_motion=True)
 
     kind: Literal["load_friction"] = "load_friction"
@@ -39,6 +43,11 @@ class LoadFriction(Effect):
         le=1,
         description="share of the joint's friction that the gear carries [-]",
     )
+    reference_Nm: float = Field(
+        default=50.0,
+        gt=0,
+        description="load at which mu holds where friction grows with another power of it [Nm]",
+    )
 
     def basis(self, s: Signals) -> ca.SX:
         return self.on(self._carried(s) * s.sign[self.index], s.q.numel())
@@ -46,14 +55,14 @@ class LoadFriction(Effect):
     def discrepancy_basis(self, s: Signals) -> ca.SX:
         load = self._carried(s)
         n = s.q.numel()
-        # a power of the load near one, in units that keep the column of the law's size; and a gear
+        # a power of the load near one, which says nothing of its usual size; and a gear
         # that loses more braked than driven: |load| sgn(qd) sgn(load qd), else taken for a gain
-        power = load * ca.log(load / 50.0 + 1e-3) * s.sign[self.index]
+        power = load * ca.log(load / self.reference_Nm + 1e-3) * s.sign[self.index]
         return ca.horzcat(self.on(power, n), self.on(s.load[self.index], n))
 
     @classmethod
     def grid(cls, joint: int | None) -> list[dict[str, float]]:
-        return [{"friction_share": 0.0}, {"friction_share": 1.0}]
+        return [{"friction_share": share, "reference_Nm": 50.0} for share in (0.0, 1.0)]
 
     def _carried(self, s: Signals) -> ca.SX:
         load = s.load[self.index]

@@ -27,6 +27,7 @@ class Search:
             what every contact does.
         rattles: the link bounces as its load changes sides, which its neighbours feel; most of its
             torque is quicker than what is compared, so that its size says little.
+        at_usual_load: its nonlinear parameter that is the usual load of its joint in the log [Nm].
         beside: kind without which, on some joint, no arm has it.
     """
 
@@ -41,4 +42,5 @@ class Search:
     nothing_at_turns: bool = False
     turns_over_in: str = ""
     rattles: bool = False
+    at_usual_load: str = ""
     beside: str = ""

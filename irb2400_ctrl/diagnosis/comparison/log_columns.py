@@ -90,6 +90,9 @@ class LogColumns:
                 and all(g[name] < span for name in effect.prior.time_constants)
             ]
             stated = self.stated_points(kind, joint)
+            if (name := effect.search.at_usual_load) and joint:
+                usual = stated[0][name] if stated else self._usual_load(joint)
+                grid = [{**g, name: usual} for g in grid]
             grid = stated + [g for g in grid if g not in stated]
             if effect.states:
                 columns, self.remembering[kind, joint] = self.bases.with_beginnings(
@@ -99,6 +102,10 @@ class LogColumns:
                 columns = self.bases.columns(kind, joint, self.motion, grid)
             found[kind, joint] = (grid, columns)
         return found
+
+    def _usual_load(self, joint: int) -> float:
+        """Rms of what a joint's gear carries [Nm], or one where that is nothing."""
+        return float(np.sqrt(np.mean(self.load[:, joint - 1] ** 2))) or 1.0
 
     def stated_points(self, kind: str, joint: int | None) -> list[dict[str, float]]:
         """Where in a family the effects of the robot's file are."""
