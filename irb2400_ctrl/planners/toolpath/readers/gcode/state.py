@@ -229,7 +229,7 @@ class GcodeState:
             if axis in axes or (axes and turned):
                 self.at[i] = None
 
-    def placed(self, point: list[float | None] | Array, place: str) -> Array:
+    def placed(self, point: list[float | None] | Array) -> Array:
         """A place in the (tilted) work frame, in the work frame.
 
         Raises:
@@ -238,7 +238,7 @@ class GcodeState:
         missing = [AXES[i] for i in range(3) if point[i] is None]
         if missing:
             raise InputError(
-                f"{place}: a cut, but {' and '.join(missing)} of the tool is not stated yet; "
+                f"a cut, but {' and '.join(missing)} of the tool is not stated yet; "
                 "expected a G0 to a stated place before it"
             )
         p = np.array(point, dtype=float)

@@ -47,7 +47,7 @@ class Parameters:
     def __init__(self) -> None:
         self._known: dict[str, float] = {}
 
-    def resolve(self, code: str, place: str) -> str:
+    def resolve(self, code: str) -> str:
         """A block with numbers in the place of parameters.
 
         Raises:
@@ -57,21 +57,21 @@ class Parameters:
         def number(found: re.Match[str]) -> str:
             if found[2] in PLANE_ANGLES and found[2] not in self._known:
                 return found[0]
-            value = self.value(found[2], place)
+            value = self.value(found[2])
             return f"{-value if found[1] == '-' else value:+.9f}"
 
         return _USED.sub(number, code)
 
-    def value(self, name: str, place: str) -> float:
+    def value(self, name: str) -> float:
         """What the file has set it to."""
         if name not in self._known:
             raise InputError(
-                f"{place}: found {name}, which the file does not set before; what the control or "
+                f"found {name}, which the file does not set before; what the control or "
                 "the operator sets is not known, write the number"
             )
         return self._known[name]
 
-    def assign(self, code: str, place: str) -> bool:
+    def assign(self, code: str) -> bool:
         """Carry out a block that sets a parameter; whether it is one.
 
         Raises:
@@ -85,24 +85,23 @@ class Parameters:
             return True
         if found is None or (numbered and int(numbered[1]) not in ARITHMETIC):
             raise InputError(
-                f"{place}: {code[:30]!r} asks or tells the control; of FN 0 to 7 and 9 to 12 and "
+                f"{code[:30]!r} asks or tells the control; of FN 0 to 7 and 9 to 12 and "
                 "formulas are read: let the CAM system write numbers"
             )
-        self._known[found[1]] = self.expression(found[2].replace("DIV", "/"), place)
+        self._known[found[1]] = self.expression(found[2].replace("DIV", "/"))
         return True
 
-    def expression(self, text: str, place: str) -> float:
+    def expression(self, text: str) -> float:
         """The value of a formula."""
-        return _Formula(text, self, place).value()
+        return _Formula(text, self).value()
 
 
 class _Formula:
     """Reads one."""
 
-    def __init__(self, text: str, parameters: Parameters, place: str) -> None:
+    def __init__(self, text: str, parameters: Parameters) -> None:
         self._text = text
         self._parameters = parameters
-        self._place = place
         self._tokens: list[str] = []
         self._depth = 0
         at = 0
@@ -134,7 +133,7 @@ class _Formula:
             sign = self._take()
             other = self._power()
             if sign == "/" and other == 0:
-                raise InputError(f"{self._place}: a division by zero in {self._text.strip()!r}")
+                raise InputError(f"a division by zero in {self._text.strip()!r}")
             value = value * other if sign == "*" else value / other
         return value
 
@@ -163,7 +162,7 @@ class _Formula:
         elif token == "PI":
             value = math.pi
         elif token[0] == "Q" and token[-1].isdigit():
-            value = self._parameters.value(token, self._place)
+            value = self._parameters.value(token)
         elif token[0] in ".0123456789":
             value = float(token)
         else:
@@ -177,7 +176,7 @@ class _Formula:
         except (ValueError, OverflowError, ZeroDivisionError):
             value = math.nan
         if isinstance(value, complex) or not math.isfinite(value):
-            raise InputError(f"{self._place}: {self._text.strip()!r} has no finite value")
+            raise InputError(f"{self._text.strip()!r} has no finite value")
         return value
 
     def _next(self) -> str:
@@ -190,6 +189,6 @@ class _Formula:
 
     def _wrong(self) -> InputError:
         return InputError(
-            f"{self._place}: {self._text.strip()[:30]!r} is no formula that is read; expected "
+            f"{self._text.strip()[:30]!r} is no formula that is read; expected "
             "numbers, Q parameters, + - * / ^, brackets and functions such as COS"
         )
