@@ -8,7 +8,7 @@ import re
 from collections.abc import Callable
 
 from irb2400_ctrl.errors import InputError
-from irb2400_ctrl.planners.toolpath.readers.gcode.macros.expressions import EVERYWHERE
+from irb2400_ctrl.planners.toolpath.readers.gcode.macros.expressions import EVERYWHERE, Expression
 
 _FN = re.compile(r"^FN\s*(\d+)\s*:\s*(.*)$")
 _SET = re.compile(r"^(Q[LR]?\d+)\s*=\s*(.*)$")
@@ -96,14 +96,16 @@ class Parameters:
         return _Formula(text, self).value()
 
 
-class _Formula:
+class _Formula(Expression):
     """Reads one."""
 
+    POWER = "^"
+    TIMES = ("*", "/")
+
     def __init__(self, text: str, parameters: Parameters) -> None:
-        self._text = text
+        super().__init__(text, 0, {})
         self._parameters = parameters
         self._tokens: list[str] = []
-        self._depth = 0
         at = 0
         while text[at:].strip():
             token = _TOKEN.match(text, at)
@@ -114,50 +116,25 @@ class _Formula:
 
     def value(self) -> float:
         """All of it."""
-        found = self._sum()
+        found = self.sum()
         if self._tokens:
             raise self._wrong()
         return found
 
-    def _sum(self) -> float:
-        value = self._product()
-        while self._next() in {"+", "-"}:
-            sign = self._take()
-            other = self._product()
-            value = value + other if sign == "+" else value - other
-        return value
-
-    def _product(self) -> float:
-        value = self._power()
-        while self._next() in {"*", "/"}:
-            sign = self._take()
-            other = self._power()
-            if sign == "/" and other == 0:
-                raise InputError(f"a division by zero in {self._text.strip()!r}")
-            value = value * other if sign == "*" else value / other
-        return value
-
-    def _power(self) -> float:
-        value = self._single()
-        if self._next() == "^":
-            self._take()
-            value = self._finite(lambda: value ** self._single())
-        return value
-
-    def _single(self) -> float:
+    def signed(self) -> float:
         self._depth += 1
         token = self._take()
         if self._depth > DEEPEST:
             raise self._wrong()
         if token in {"+", "-"}:
-            value = self._single()
+            value = self.signed()
             value = -value if token == "-" else value
         elif token == "(":
-            value = self._sum()
+            value = self.sum()
             if self._take() != ")":
                 raise self._wrong()
         elif token in FUNCTIONS:
-            argument = self._single()
+            argument = self.signed()
             value = self._finite(lambda: FUNCTIONS[token](argument))
         elif token == "PI":
             value = math.pi
@@ -170,17 +147,8 @@ class _Formula:
         self._depth -= 1
         return value
 
-    def _finite(self, compute: Callable[[], float | complex]) -> float:
-        try:
-            value = compute()
-        except (ValueError, OverflowError, ZeroDivisionError):
-            value = math.nan
-        if isinstance(value, complex) or not math.isfinite(value):
-            raise InputError(f"{self._text.strip()!r} has no finite value")
-        return value
-
-    def _next(self) -> str:
-        return self._tokens[0] if self._tokens else ""
+    def _taken(self, *texts: str) -> str | None:
+        return self._take() if self._tokens and self._tokens[0] in texts else None
 
     def _take(self) -> str:
         if not self._tokens:
@@ -189,6 +157,6 @@ class _Formula:
 
     def _wrong(self) -> InputError:
         return InputError(
-            f"{self._text.strip()[:30]!r} is no formula that is read; expected "
+            f"{self._code.strip()[:30]!r} is no formula that is read; expected "
             "numbers, Q parameters, + - * / ^, brackets and functions such as COS"
         )

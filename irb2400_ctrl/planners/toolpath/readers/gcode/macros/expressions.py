@@ -57,6 +57,9 @@ def _like(result: float, *operands: float) -> float:
 class Expression:
     """Reads one from a place on; `at` is where it ends."""
 
+    POWER = "**"
+    TIMES: tuple[str, ...] = ("*", "/", "MOD")
+
     def __init__(self, code: str, at: int, known: dict[str, float]) -> None:
         self._code = code
         self.at = at
@@ -73,7 +76,7 @@ class Expression:
         while sign := self._taken("+", "-"):
             other = self._product()
             value = _like(value + other if sign == "+" else value - other, value, other)
-        return self._finite(value)
+        return self._finite(lambda: value)
 
     def signed(self) -> float:
         """One number with its sign: a variable, a bracket, a function."""
@@ -109,7 +112,7 @@ class Expression:
 
     def _product(self) -> float:
         value = self._power()
-        while sign := self._taken("*", "/", "MOD"):
+        while sign := self._taken(*self.TIMES):
             value = self.plain(value)
             other = self.plain(self._power())
             if sign != "*" and other == 0:
@@ -122,9 +125,11 @@ class Expression:
 
     def _power(self) -> float:
         value = self.signed()
-        if self._taken("**") is None:
+        if self._taken(self.POWER) is None:
             return value
-        return self._finite(self.plain(value) ** self.plain(self.signed()))
+        base = self.plain(value)
+        exponent = self.plain(self.signed())
+        return self._finite(lambda: base**exponent)
 
     def _single(self) -> float:
         self._depth += 1
@@ -237,7 +242,11 @@ class Expression:
             f"way to write {self._code.strip()[:30]!r}"
         )
 
-    def _finite(self, value: float | complex) -> float:
+    def _finite(self, compute: Callable[[], float | complex]) -> float:
+        try:
+            value = compute()
+        except (ValueError, OverflowError, ZeroDivisionError):
+            value = math.nan
         if isinstance(value, complex) or not math.isfinite(value):
             raise InputError(f"{self._code.strip()!r} has no finite value")
         return value
