@@ -25,10 +25,6 @@ class Feed:
     def speed(self, length: float, spindle_speed: float) -> float:
         """Speed of the tool tip [m/s] on a move of `length` [m]; `spindle_speed` [rad/s].
 
-        Args:
-            length: [m].
-            spindle_speed: [rad/s].
-
         Raises:
             InputError: a feed of zero; one per revolution, and the spindle stands.
         """

@@ -16,12 +16,7 @@ ORTHOGONAL = 1e-3
 
 
 def of_axes(values: list[float], unit: float) -> Array:
-    """NX: origin, x axis, y axis (9 numbers); z completes them.
-
-    Args:
-        values: the 9 numbers.
-        unit: of their lengths [m].
-    """
+    """NX: origin, x axis, y axis (9 numbers, lengths in `unit` [m]); z completes them."""
     if len(values) != 9:
         raise InputError(f"MSYS/ has {len(values)} numbers, expected 9 (origin, x axis, y axis)")
     p, x, y = np.array(values).reshape(3, 3)
@@ -29,12 +24,7 @@ def of_axes(values: list[float], unit: float) -> Array:
 
 
 def of_rows(values: list[float], unit: float) -> Array:
-    """Three rows of a rotation and a translation (12 numbers): Creo, CATIA, TRACUT.
-
-    Args:
-        values: the 12 numbers.
-        unit: of their lengths [m].
-    """
+    """Three rows of a rotation and a translation in `unit` [m]: 12 numbers (Creo, CATIA)."""
     if len(values) != 12:
         raise InputError(
             f"the frame has {len(values)} numbers, expected 12 (three rows of a rotation "

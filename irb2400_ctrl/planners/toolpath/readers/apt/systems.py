@@ -18,9 +18,6 @@ def in_one_frame(statements: Iterable[object]) -> bool:
     """Whether the points are in one frame and `CSYS/` only says how the part stands: behind each
     `CSYS/` that turns, every `GOTO/` has i,j,k, and they are the z axis of `CSYS/` seen from that
     frame (in its own frame they would be 0,0,1). All have the same zero.
-
-    Args:
-        statements: of the file.
     """
     try:
         return _stated([s for s in statements if isinstance(s, Statement)])

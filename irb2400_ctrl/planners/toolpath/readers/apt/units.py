@@ -66,10 +66,6 @@ def units_of_feeds(program: list[Statement]) -> str | None:
 def feed(arguments: tuple[str, ...], unit: float) -> Feed:
     """The feed of `FEDRAT/`; without a word of its own it is per minute in the file's unit [m].
 
-    Args:
-        arguments: of the statement.
-        unit: of length of the file [m].
-
     Raises:
         InputError: not exactly one positive number.
     """

@@ -188,12 +188,7 @@ class Block:
 def blocks(
     lines: Iterable[Line | UnreadLineError], variables: Variables
 ) -> Iterator[Block | UnreadLineError]:
-    """All lines that hold anything; a line that cannot be read comes as its error.
-
-    Args:
-        lines: with their numbers, as they are carried out.
-        variables: that the lines set.
-    """
+    """All lines that hold anything; a line that cannot be read comes as its error."""
     for numbered in lines:
         if isinstance(numbered, UnreadLineError):
             yield numbered

@@ -164,14 +164,12 @@ class GcodeCycles:
 
     def _one_hole(self, motion: float, values: dict[str, float]) -> None:
         state = self._state
-        builder = self._builder
         words = state.cycle
         level = words["R"]
         across = {key: value for key, value in values.items() if key[0] in "XY"}
         x, y, _ = state.target(across)
         # G98: to where the tool was as the cycle began, also after holes with G99
         up = max(words.get("start", level) - level, 0.0) if state.retract_to_start else 0.0
-        point = state.placed([x, y, level])
         cycle = HoleCycle(
             CYCLES[int(motion)],
             max(level - words["Z"], 0.0),
@@ -182,11 +180,7 @@ class GcodeCycles:
             None,
             f"G{motion:g}",
         )
-        z = state.tilt[:3, 2]
-        if not np.allclose(z, builder.axis, atol=1e-6) and builder.moved:
-            raise InputError("a cycle with the tool not along its Z")
-        drill(builder, cycle, point, z)
-        state.at = [x, y, level + up]
+        drill_along_z(self._builder, state, cycle, (x, y, level))
 
     def call(self, call: HoleCall) -> None:
         """CYCLE81(…) here, MCALL CYCLE81(…) after each of the next moves and at the places of
@@ -233,11 +227,31 @@ class GcodeCycles:
         if found := left_out(call):
             builder.assume(f"{call.name}: {found} is not carried out")
         x, y, _ = state.at
-        axis = state.tilt[:3, 2]
-        if builder.moved and not np.allclose(axis, builder.axis, atol=1e-6):
-            raise InputError("a cycle with the tool not along its Z")
-        drill(builder, cycle, state.placed([x, y, plane]), axis)
-        state.at = [x, y, plane + cycle.retract]
+        drill_along_z(builder, state, cycle, (x, y, plane))
+
+
+def drill_along_z(
+    builder: ProgramBuilder,
+    state: GcodeState,
+    cycle: HoleCycle,
+    at: tuple[float | None, float | None, float],
+) -> None:
+    """A hole along Z of the frame in force; the tool is at the height that the cycle leaves then.
+
+    Args:
+        builder, state: of the control; cycle: of the hole.
+        at: the hole in that frame [m].
+
+    Raises:
+        InputError: the tool is not along Z.
+    """
+    axis = state.tilt[:3, 2]
+    x, y, z = at
+    point = state.placed([x, y, z])
+    if builder.moved and not np.allclose(axis, builder.axis, atol=1e-6):
+        raise InputError("a cycle with the tool not along its Z")
+    drill(builder, cycle, point, axis)
+    state.at = [x, y, z + cycle.retract]
 
 
 def dwell_seconds(stated: float) -> float:

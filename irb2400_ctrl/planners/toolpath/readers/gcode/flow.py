@@ -120,13 +120,8 @@ class Flow:
         return self._variables.value(condition) != 0
 
     def _matching(self, at: int, pattern: re.Pattern[str], number: str, step: int) -> int:
-        """The nearest line of WHILE or END with this number.
-
-        Args:
-            at: index to begin at.
-            pattern: of the line; its last group is the number.
-            number: of the loop.
-            step: 1 forwards, -1 backwards.
+        """The nearest line of WHILE or END with this number, the last group of its pattern; step 1:
+        ahead, -1: back.
 
         Raises:
             InputError: there is none.
@@ -141,10 +136,6 @@ class Flow:
 
     def _numbered(self, at: int, number: float) -> int:
         """The block N of this number: ahead first, then from the beginning.
-
-        Args:
-            at: index to begin at.
-            number: of the block.
 
         Raises:
             InputError: there is none.
@@ -171,12 +162,7 @@ class Flow:
         return found
 
     def _o_word(self, at: int, word: _Word) -> int:
-        """Where an o-word leads.
-
-        Args:
-            at: its index.
-            word: it.
-        """
+        """Where an o-word leads."""
         loops = ("ENDWHILE", "ENDREPEAT", "WHILE")
         match word.kind:
             case "WHILE":
@@ -242,14 +228,7 @@ class Flow:
         return found
 
     def _find(self, at: int, word: _Word, step: int, *kinds: str) -> int | None:
-        """The nearest o-word of this label and one of these kinds.
-
-        Args:
-            at: index to begin at.
-            word: whose label it is.
-            step: 1 forwards, -1 backwards.
-            kinds: of the word.
-        """
+        """The nearest o-word of this label and one of these kinds; step 1: ahead, -1: back."""
         at += step
         while 0 <= at < len(self._codes):
             other = self._words.get(at)

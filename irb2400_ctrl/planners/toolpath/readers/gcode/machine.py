@@ -208,14 +208,11 @@ class GcodeMachine:
 
     def _function(self, function: int) -> None:
         builder = self._builder
-        if function in {3, 4, 13, 14}:
-            self._state.start_spindle(clockwise=function in {3, 13})
+        if function in {3, 4, 5, 13, 14}:
+            self._state.turn_spindle(function)
             builder.set_spindle(self._state.spindle)
-            if function > 4:
+            if function > 5:
                 builder.set_coolant("flood")
-        elif function == 5:
-            self._state.turning = False
-            builder.set_spindle(self._state.spindle)
         elif self._jet and function in {7, 8}:
             builder.set_coolant(COOLANT[7 if function == 7 else 9])
             builder.assume(

@@ -138,13 +138,7 @@ class GcodeMotion:
             self._follow()
 
     def _way(self, values: dict[str, float], before: dict[str, float], axis: Array) -> Array:
-        """Tool axes of a straight move, shape (m, 3), the last at its end.
-
-        Args:
-            values: words of the block.
-            before: degrees of the rotary axes before it.
-            axis: at its end.
-        """
+        """Tool axes of a straight move, shape (m, 3), the last at its end."""
         state = self._state
         R = state.tilt[:3, :3]
         # in a tilted plane (G68.2) the control turns them; DC=, ACP= say which way

@@ -55,10 +55,6 @@ class WorkOffsets:
     def select(self, codes: list[float], values: dict[str, float]) -> list[float]:
         """Take the frame that a block names; the codes that are left.
 
-        Args:
-            codes: the G codes of the block.
-            values: its words by their letter.
-
         Raises:
             InputError: a frame for this block alone, or a shift by the words of the block.
         """

@@ -13,9 +13,9 @@ import numpy as np
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.planners.toolpath.readers.expansion.drilling import MOST_STEPS, HoleCycle
 from irb2400_ctrl.planners.toolpath.readers.feed import Feed
+from irb2400_ctrl.planners.toolpath.readers.gcode.cycles import drill_along_z
 from irb2400_ctrl.planners.toolpath.readers.gcode.state import GcodeState
 from irb2400_ctrl.planners.toolpath.readers.heidenhain.machine import PlainMachine
-from irb2400_ctrl.planners.toolpath.readers.hole_moves import drill
 from irb2400_ctrl.planners.toolpath.readers.program_builder import ProgramBuilder
 
 KINDS = {
@@ -118,11 +118,7 @@ class PlainCycles:
         cycle = self._cycle(defined)
         x, y, _ = state.at
         surface = defined.values.get(203, 0.0) * state.unit + above
-        axis = state.tilt[:3, 2]
-        if builder.moved and not np.allclose(axis, builder.axis, atol=1e-6):
-            raise InputError("a cycle with the tool not along its Z")
-        drill(builder, cycle, state.placed([x, y, surface]), axis)
-        state.at = [x, y, surface + cycle.retract]
+        drill_along_z(builder, state, cycle, (x, y, surface))
 
     def _cycle(self, defined: Definition) -> HoleCycle:
         values = defined.values
@@ -168,13 +164,7 @@ class PlainCycles:
 
 
 def _steps(values: dict[int, float], clear: float, depth: float) -> tuple[float, ...]:
-    """Q202 first, less by Q212 each time, at least Q205; the first counts from the clearance.
-
-    Args:
-        values: the cycle's Q by their numbers.
-        clear: set-up clearance.
-        depth: of the hole.
-    """
+    """Q202 first, less by Q212 each time, at least Q205; the first counts from the clearance."""
     first = values.get(202, 0.0)
     if not 0 < first < depth:
         return ()

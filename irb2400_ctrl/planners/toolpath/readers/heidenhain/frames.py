@@ -15,11 +15,11 @@ from irb2400_ctrl.planners.toolpath.readers.gcode.state import (
     ROTARY,
     GcodeState,
 )
+from irb2400_ctrl.planners.toolpath.readers.heidenhain.statements import NUMBER, as_number
 from irb2400_ctrl.planners.toolpath.readers.program_builder import ProgramBuilder
 
-_NUMBER = r"([-+]?\s*(?:\d+\.?\d*|\.\d+))"
-_ANGLE = re.compile(rf"\b(SP[ABC]|EUL(?:PR|NU|ROT)|[BN][XYZ]|[ABC])\s*{_NUMBER}")
-_SHIFT = re.compile(rf"\b(I?)([XYZ])\s*{_NUMBER}")
+_ANGLE = re.compile(rf"\b(SP[ABC]|EUL(?:PR|NU|ROT)|[BN][XYZ]|[ABC])\s*({NUMBER})")
+_SHIFT = re.compile(rf"\b(I?)([XYZ])\s*({NUMBER})")
 _UNREAD_ANGLE = re.compile(r"\b(?:SP[ABC](?!TIAL\b)|EUL(?!ER\b)|[BN][XYZ]|[ABC]\s*[-+]?\s*Q)\S*")
 _EYE = np.eye(4)
 FORMS = "PLANE SPATIAL, AXIAL, EULER and VECTOR"
@@ -56,15 +56,15 @@ class PlainFrames:
         if self._turn:
             raise InputError("a datum shift in rotated coordinates (cycle 10); not read")
         tilted = not np.array_equal(self._state.plane_pose, _EYE)
-        zero = not any(float(number.replace(" ", "")) for _, _, number in found)
+        zero = not any(as_number(stated) for _, _, stated in found)
         if tilted and not self._inside and self._shift.any() and not zero:
             raise InputError(
                 "the datum is moved in the tilted plane, and was moved before it: how "
                 "the two add up is not known here; expected one of them"
             )
-        for step, letter, number in found:
+        for step, letter, stated in found:
             i = AXES.index(letter)
-            way = float(number.replace(" ", "")) * self._state.unit
+            way = as_number(stated) * self._state.unit
             self._shift[i] = self._shift[i] + way if step else way
         self._inside = tilted and bool(self._shift.any())
         self._builder.assume("CYCL DEF 7: the datum is moved by what it states")
@@ -81,10 +81,10 @@ class PlainFrames:
 
     def turn(self, code: str) -> None:
         """CYCL DEF 10.1 ROT+30: about the datum, in the plane X Y."""
-        found = re.search(rf"\b(I?)ROT\s*{_NUMBER}", code)
+        found = re.search(rf"\b(I?)ROT\s*({NUMBER})", code)
         if found is None:
             raise InputError("CYCL DEF 10 without ROT; expected ROT+30")
-        angle = float(found[2].replace(" ", ""))
+        angle = as_number(found[2])
         self._turn = self._turn + angle if found[1] else angle
         self._apply()
 
@@ -145,7 +145,7 @@ class PlainFrames:
         Raises:
             InputError: a word that sounds like an angle and is none that is read.
         """
-        found = {key: float(n.replace(" ", "")) for key, n in _ANGLE.findall(code)}
+        found = {key: as_number(n) for key, n in _ANGLE.findall(code)}
         rest = _ANGLE.sub(" ", code)
         if wrong := _UNREAD_ANGLE.search(rest):
             raise InputError(

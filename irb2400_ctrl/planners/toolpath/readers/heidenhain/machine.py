@@ -94,7 +94,7 @@ class PlainMachine:
         builder = self._builder
         for function in functions:
             if function in {3, 4, 13, 14}:
-                self._state.start_spindle(clockwise=function in {3, 13})
+                self._state.turn_spindle(function)
                 builder.set_spindle(self._state.spindle)
                 if function > 4:
                     builder.set_coolant("flood")
@@ -115,7 +115,7 @@ class PlainMachine:
         builder = self._builder
         for function in functions:
             if function == 5:
-                self._state.turning = False
+                self._state.turn_spindle(function)
                 builder.set_spindle(self._state.spindle)
             elif function == 9:
                 builder.set_coolant("off")

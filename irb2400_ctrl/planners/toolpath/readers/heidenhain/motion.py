@@ -101,9 +101,6 @@ class PlainMotion:
     def call_at(self, code: str) -> None:
         """CYCL CALL POS X Y Z: the cycle at X, Y, with the datum moved by Z along the tool's axis.
 
-        Args:
-            code: what stands behind POS.
-
         Raises:
             InputError: not all three places, or other axes.
         """
@@ -149,10 +146,6 @@ class PlainMotion:
 
     def _none_of_others(self, order: str, words: Words) -> None:
         """Words that only another kind of block knows.
-
-        Args:
-            order: of the block.
-            words: of the block.
 
         Raises:
             InputError: there is one, and no one says where it leads.
@@ -227,13 +220,7 @@ class PlainMotion:
         self._rapid = rapid
 
     def _arc(self, order: str, words: Words, values: dict[str, float]) -> dict[str, float]:
-        """Centre or radius, and turns, in the words of the G-code reader.
-
-        Args:
-            order: C, CR or CP.
-            words: of the block.
-            values: its places.
-        """
+        """Centre or radius, and turns, in the words of the G-code reader."""
         if order == "CR":
             if "R" not in words.numbers:
                 raise InputError("CR without R; expected its radius")
@@ -272,13 +259,7 @@ class PlainMotion:
         return self._pole
 
     def _polar(self, order: str, words: Words, values: dict[str, float]) -> None:
-        """PR and PA about the pole, as places of the plane's axes.
-
-        Args:
-            order: CP or LP.
-            words: of the block.
-            values: get the places.
-        """
+        """PR and PA about the pole, as places of the plane's axes in `values`."""
         state = self._state
         pole = self._centre_of()
         first, second, _ = PLANES[state.plane]

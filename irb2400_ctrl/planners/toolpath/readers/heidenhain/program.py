@@ -14,14 +14,18 @@ from irb2400_ctrl.planners.toolpath.readers.gcode.state import GcodeState
 from irb2400_ctrl.planners.toolpath.readers.heidenhain.flow import Flow
 from irb2400_ctrl.planners.toolpath.readers.heidenhain.machine import PlainMachine
 from irb2400_ctrl.planners.toolpath.readers.heidenhain.motion import PlainMotion
-from irb2400_ctrl.planners.toolpath.readers.heidenhain.statements import Statement, statements
+from irb2400_ctrl.planners.toolpath.readers.heidenhain.statements import (
+    NUMBER,
+    Statement,
+    as_number,
+    statements,
+)
 from irb2400_ctrl.planners.toolpath.readers.program_builder import ProgramBuilder
 from irb2400_ctrl.planners.toolpath.readers.unread_line import UnreadLineError
 
 _MOVES = re.compile(r"^(LN|LP|L|CC|CR|CP|C)(?=\s|$)\s*(.*)$")
 _CYCLE = re.compile(r"^CYCLE?\s+DEF\s*(\d+)(?:\s*\.(\d+))?\s*(.*)$")
 _CALL = re.compile(r"^CYCLE?\s+CALL\s*(POS|PAT|M(?=\d))?\s*(.*)$")
-_NUMBER = re.compile(r"[-+]?\s*(?:\d+\.?\d*|\.\d+)")
 QUIET_CYCLES = {13: "orientation of the spindle", 32: "tolerance", 332: "tolerance"}
 MAKERS_END = 800
 """from here on cycles turn and mill where they are called"""
@@ -199,14 +203,14 @@ class _Reader:
             self._motion.run("", f"M{rest}")
 
     def _dwell(self, rest: str) -> None:
-        found = _NUMBER.search(rest)
+        found = re.search(NUMBER, rest)
         if found is None:
             raise InputError("CYCL DEF 9.1 without a time")
-        self._builder.dwell(abs(float(found[0].replace(" ", ""))))
+        self._builder.dwell(abs(as_number(found[0])))
 
     def _tilt(self, rest: str) -> None:
         """CYCL DEF 19.1: angles in space or of the axes, as a setting of the control says."""
-        if any(float(n.replace(" ", "")) for n in _NUMBER.findall(rest)):
+        if any(as_number(n) for n in re.findall(NUMBER, rest)):
             raise InputError(
                 f"CYCL DEF 19.1 {rest[:30]}: whether these are angles in "
                 "space or of the axes is set in the control; expected PLANE SPATIAL"

@@ -6,11 +6,11 @@ import re
 from dataclasses import dataclass, field
 
 from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.planners.toolpath.readers.heidenhain.statements import NUMBER
 
-_NUMBER = r"[-+]?\s*(?:\d+\.?\d*|\.\d+)"
 _WORD = re.compile(
     r"\s*(?:(?P<alone>F\s*MAX|F\s*AUTO|R0(?![\d.])|RL|RR|DR[+-](?![\d.])|MB\s*MAX)"
-    rf"|(?P<letter>I?[XYZABCUVW]|I?P[AR]|[NT][XYZ]|F[UZT]?|MB|LA|R|M)\s*(?P<number>{_NUMBER}"
+    rf"|(?P<letter>I?[XYZABCUVW]|I?P[AR]|[NT][XYZ]|F[UZT]?|MB|LA|R|M)\s*(?P<number>{NUMBER}"
     r"|[-+]?\s*Q12[012]))"
 )
 # the F and the LA behind these functions are theirs
@@ -58,9 +58,6 @@ class Words:
 
 def words_of(code: str) -> Words:
     """The words behind the order of a block, or of a block of M functions.
-
-    Args:
-        code: of the block, without the order.
 
     Raises:
         InputError: what is no word, a word twice.
