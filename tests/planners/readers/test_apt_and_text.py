@@ -260,3 +260,9 @@ def test_a_note_of_a_word_does_not_repeat_its_file_and_line(tmp_path: Path) -> N
     ]
     with pytest.raises(InputError, match=r"part\.apt, line 2, GOTO: found 'X', expected a number"):
         read_program(file)
+
+
+def test_an_arc_without_an_end_is_said_of_its_own_line(tmp_path: Path) -> None:
+    text = "GOTO/0,0,0\nCIRCLE/10,0,0,0,0,1,10\nFEDRAT/100,MMPM\nFINI\n"
+    with pytest.raises(InputError, match=r"part\.apt, line 2: CIRCLE/ is not read"):
+        read_program(written(tmp_path, text))

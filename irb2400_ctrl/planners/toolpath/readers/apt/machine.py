@@ -98,21 +98,17 @@ class Machine:
         if not numbers:
             builder.change_tool(replace(self._described(), number=None))
             return
-        words = statement.words
-        offset = None
-        for word in ("ADJUST", "OSETNO"):
-            if word in words[:-1] and is_number(words[words.index(word) + 1]):
-                offset = int(number(words[words.index(word) + 1], statement.word))
-        if offset is None and len(statement.arguments) == 2 == len(numbers):
-            offset = int(number(numbers[1], statement.word))
+        stated = _behind("OSETNO", statement) or _behind("ADJUST", statement)
+        if stated is None and len(statement.arguments) == 2 == len(numbers):
+            stated = numbers[1]
+        offset = None if stated is None else int(number(stated, statement.word))
         loaded = int(number(numbers[0], statement.word))
         known = self._described()
         if known.number not in {None, loaded}:
             known = Tool()
         tool = replace(known, number=loaded, length_offset=offset)
-        if "LENGTH" in words[:-1] and is_number(words[words.index("LENGTH") + 1]):
-            length = number(words[words.index("LENGTH") + 1], statement.word)
-            tool = replace(tool, length=unit * length)
+        if length := _behind("LENGTH", statement):
+            tool = replace(tool, length=unit * number(length, statement.word))
         builder.change_tool(tool)
 
     def _described(self) -> Tool:
@@ -250,3 +246,10 @@ class Machine:
 
     def _numbers(self, statement: Statement) -> list[float]:
         return [number(a, statement.word) for a in statement.arguments if is_number(a)]
+
+
+def _behind(word: str, statement: Statement) -> str | None:
+    """The number behind a word, as written; None where there is none."""
+    words = statement.words
+    found = words[words.index(word) + 1] if word in words[:-1] else ""
+    return found if is_number(found) else None

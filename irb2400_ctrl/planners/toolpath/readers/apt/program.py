@@ -18,6 +18,7 @@ from irb2400_ctrl.planners.toolpath.readers.apt.vocabulary import (
     STEERED,
     TURNING,
 )
+from irb2400_ctrl.planners.toolpath.readers.feed import LENGTHS
 from irb2400_ctrl.planners.toolpath.readers.program_builder import ProgramBuilder
 from irb2400_ctrl.planners.toolpath.readers.unread_line import UnreadLineError
 
@@ -120,8 +121,8 @@ class _Units:
         else:
             self.name = stated[0][1]
             if any(unit != self.name for _, unit in stated):
-                self._steps = [(line, units.length_unit(unit)) for line, unit in stated[1:]]
-        self._first = units.length_unit(self.name)
+                self._steps = [(line, LENGTHS[unit]) for line, unit in stated[1:]]
+        self._first = LENGTHS[self.name]
 
     def at(self, line: int) -> float:
         """The unit [m]."""

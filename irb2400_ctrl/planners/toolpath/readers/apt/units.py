@@ -7,7 +7,7 @@ import math
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.planners.toolpath.cam_program import Spindle
 from irb2400_ctrl.planners.toolpath.readers.apt.statements import Statement, is_number, number
-from irb2400_ctrl.planners.toolpath.readers.feed import FOOT, INCH, LENGTHS, MM, Feed
+from irb2400_ctrl.planners.toolpath.readers.feed import FOOT, INCH, MM, Feed
 
 UNIT_WORDS = {
     "MM": "mm",
@@ -151,10 +151,3 @@ def _speeds(statement: Statement) -> list[float]:
             kept.append(value)
         skip = argument.upper() in {"RANGE", "MAXRPM", "GEAR"}
     return kept
-
-
-def length_unit(name: str) -> float:
-    """The named unit [m]; InputError lists them."""
-    if name not in LENGTHS:
-        raise InputError(f"units: found {name!r}, expected one of {', '.join(LENGTHS)}")
-    return LENGTHS[name]
