@@ -123,15 +123,7 @@ def _acceleration_ratio(dynamics: PathDynamics, settled: Settled) -> float | Non
 def _note(
     dynamics: PathDynamics, checked: Checked, settled: Settled, kept: bool, options: TimingOptions
 ) -> str:
-    """Why the bounds are not guaranteed; empty where they are.
-
-    Args:
-        dynamics: the arm's torque along the path.
-        checked: what is sure of the law.
-        settled: the rows.
-        kept: whether law and rows are inside the limits.
-        options: of the timing.
-    """
+    """Why the bounds are not guaranteed; empty where they are."""
     bend = settled.bounds.acceleration_ratio(options.limits.qdd_max)
     bend = max(bend, checked.acceleration_ratio)
     if bend > 1 + 1e-9 and np.isfinite(bend):

@@ -18,6 +18,7 @@ from irb2400_ctrl.planners.margins_as_read import margins_as_read
 from irb2400_ctrl.planners.plan import Plan
 from irb2400_ctrl.planners.plan_options import PlanOptions
 from irb2400_ctrl.planners.plan_report import deflection, report
+from irb2400_ctrl.planners.price_remedies import price_remedies
 from irb2400_ctrl.planners.redundancy.choice import Choice
 from irb2400_ctrl.planners.redundancy.choices import choices
 from irb2400_ctrl.planners.redundancy.cutting_load import CuttingLoad
@@ -25,19 +26,10 @@ from irb2400_ctrl.planners.redundancy.rotation_map import rotation_map as mapped
 from irb2400_ctrl.planners.redundancy.way_out import WayOut
 from irb2400_ctrl.planners.stage_clock import Progress, StageClock
 from irb2400_ctrl.planners.timing.motion_limits import MotionLimits
-from irb2400_ctrl.planners.timing.price_remedies import price_remedies
-from irb2400_ctrl.planners.timing.sampled_reference.interpolation import (
-    DEFAULT,
-)
-from irb2400_ctrl.planners.timing.sampled_reference.interpolation import (
-    interpolation as checked,
-)
-from irb2400_ctrl.planners.timing.time_choices import (
-    best_first,
-    limit_rates,
-    settle,
-    time_choices,
-)
+from irb2400_ctrl.planners.timing.path_timer import PathTimer
+from irb2400_ctrl.planners.timing.sampled_reference.interpolation import DEFAULT
+from irb2400_ctrl.planners.timing.sampled_reference.interpolation import interpolation as checked
+from irb2400_ctrl.planners.timing.time_choices import best_first, limit_rates, time_choices
 from irb2400_ctrl.planners.timing.timing_options import Backend, TimingOptions
 from irb2400_ctrl.planners.toolpath.orientation import Orientation
 from irb2400_ctrl.planners.toolpath.task_curve import TOLERANCE
@@ -150,20 +142,20 @@ def plan_ways(
     with clock.stage("branch and rotation") as told:
         found = list(_counted(ways(model, orientation, scene), told))
     with clock.stage("timing") as told:
-        timed = time_choices(dynamics, orientation, found, timing, told)
+        timer = PathTimer(dynamics, timing)
+        timed = time_choices(timer, orientation, found, told)
         ranked = best_first(timed, options.axis_tolerance)
         best = ranked[0]
     if timing.limits.smooth:
         with clock.stage("smooth timing"):
-            best = limit_rates(dynamics, ranked, timing)
+            best = limit_rates(timer, ranked)
     with clock.stage("rows"):
-        best, settled = settle(dynamics, best, timing)
+        settled = timer.settled(best.path, best.law)
+        best = replace(best, law=settled.law)
     with clock.stage("check"):
         bounds = certify(dynamics, orientation, best, settled, timing)
     with clock.stage("remedies"):
-        remedies = price_remedies(
-            dynamics, orientation, timed, best, options.axis_tolerance, timing
-        )
+        remedies = price_remedies(timer, orientation, timed, best, options.axis_tolerance)
     with clock.stage("margins"):
         margins = margins_as_read(model, orientation, scene, best, settled)
         way_of = best.path.tcp.way

@@ -14,7 +14,7 @@ from irb2400_ctrl.planners import Plan, ToolPath, check, plan_path
 from irb2400_ctrl.planners.joint_path import JointPath
 from irb2400_ctrl.planners.linking.clearance_plane import ClearancePlane
 from irb2400_ctrl.planners.linking.joint_plan import plan_joints
-from irb2400_ctrl.planners.timing import time_choices
+from irb2400_ctrl.planners.timing import path_timer, time_choices
 from irb2400_ctrl.planners.timing.sampled_reference.sampling import Sampling
 from irb2400_ctrl.planners.timing.timing_options import TimingOptions
 from irb2400_ctrl.planners.toolpath import builders
@@ -150,7 +150,7 @@ def test_room_for_the_rows_is_quicker_than_slowing_all(monkeypatch: pytest.Monke
         return plan.duration
 
     own = seconds()
-    monkeypatch.setattr(time_choices, "roomy", lambda dynamics, path, law, options: law)
+    monkeypatch.setattr(path_timer.PathTimer, "roomy", lambda self, path, law: law)
     assert own < 0.9 * seconds()
 
 
@@ -171,5 +171,5 @@ def test_of_a_short_path_the_shorter_of_both_laws_is_taken(
         return plan.duration
 
     own = seconds()
-    monkeypatch.setattr(time_choices, "_SHORT", 0)
+    monkeypatch.setattr(path_timer, "_SHORT", 0)
     assert own < 0.97 * seconds()

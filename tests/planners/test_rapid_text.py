@@ -118,7 +118,9 @@ def test_wrong_plans_are_refused(model: irb.Model) -> None:
         ((time[::-1], q), {}, "time does not increase at row 2"),
         ((time, hole), {}, "not finite"),
         ((time, far), {}, "axis 3 is outside its range at row 8"),
-        ((time, q), {"wrist_crossing": crossing}, "wrist_crossing"),
+        ((time, q), {"wrist_crossing": crossing}, r"wrist_crossing is bool \(5,\), expected bool"),
+        ((time, q), {"wrist_crossing": np.zeros(101, dtype=int)}, "wrist_crossing is int64"),
+        ((time, q), {"stops": np.zeros(101, dtype=int)}, "stops is int64"),
         ((time, q), {"X_BW": 2 * np.eye(4)}, "work object"),
         ((time, q), {"external": (1, 2, 3, 4, 5, 6, 7)}, "at most 6"),
     ]

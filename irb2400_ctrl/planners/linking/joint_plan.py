@@ -11,7 +11,7 @@ from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.cell import Scene
 from irb2400_ctrl.planners.certify import certify_joints
 from irb2400_ctrl.planners.clearance.clearance import entry, unknown
-from irb2400_ctrl.planners.enclosure.path_dynamics import PathDynamics, path_dynamics
+from irb2400_ctrl.planners.enclosure.path_dynamics import path_dynamics
 from irb2400_ctrl.planners.enclosure.tcp_path import TcpPath
 from irb2400_ctrl.planners.linking.clearance_plane import ClearancePlane
 from irb2400_ctrl.planners.linking.raised_path import clearance_of, lowest, raised_path
@@ -19,10 +19,10 @@ from irb2400_ctrl.planners.plan_report import law_rows
 from irb2400_ctrl.planners.redundancy.follow import Followed
 from irb2400_ctrl.planners.timing.certificate import Certificate
 from irb2400_ctrl.planners.timing.infeasible_point import InfeasiblePointError
+from irb2400_ctrl.planners.timing.path_timer import PathTimer
 from irb2400_ctrl.planners.timing.sampled_reference import SampledReference
 from irb2400_ctrl.planners.timing.sampled_reference.interpolation import Interpolation
 from irb2400_ctrl.planners.timing.task_path import TaskPath
-from irb2400_ctrl.planners.timing.time_choices import fastest, rate_limited, settled_law
 from irb2400_ctrl.planners.timing.time_law import TimeLaw
 from irb2400_ctrl.planners.timing.timing_options import TimingOptions
 from irb2400_ctrl.robot import Robot
@@ -90,8 +90,8 @@ def plan_joints(
     knots = joints.knots
     followed = Followed(joints, np.arange(len(knots), dtype=float), 0.0, 0.0)
     task = TaskPath(followed, tcp, np.full(len(knots) - 1, np.inf))
-    law = _timed(dynamics, task, timing)
-    settled = settled_law(dynamics, task, law, timing)
+    timer = PathTimer(dynamics, timing)
+    settled = timer.settled(task, _timed(timer, task))
     bounds = certify_joints(dynamics, joints, settled, timing)
     trajectory, _ = law_rows(dynamics, settled.law, tcp, settled.reference)
     return JointPlan(
@@ -111,15 +111,15 @@ def plan_joints(
     )
 
 
-def _timed(dynamics: PathDynamics, task: TaskPath, timing: TimingOptions) -> TimeLaw:
+def _timed(timer: PathTimer, task: TaskPath) -> TimeLaw:
     """The fastest law, with the limits of torque rate and jerk where there are any."""
-    first = fastest(dynamics, task, timing)
-    if not timing.limits.smooth:
+    first = timer.fastest(task)
+    if not timer.options.limits.smooth:
         return first
     try:
-        return rate_limited(dynamics, task, timing)
+        return timer.rate_limited(task)
     except InfeasiblePointError:
-        if timing.rates_stated:
+        if timer.options.rates_stated:
             raise
         # a torque that jumps by itself: the rows are slowed instead
         return first

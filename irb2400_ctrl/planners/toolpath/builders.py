@@ -244,12 +244,6 @@ def raster(
 def _each(what: str, value: ArrayLike, one: tuple[int, ...], n: int) -> Array:
     """One value for all of n points, or one for each, shape (n, *one).
 
-    Args:
-        what: the value is, for messages.
-        value: as given.
-        one: shape of a value.
-        n: points.
-
     Raises:
         InputError: another shape, or no numbers.
     """

@@ -171,7 +171,6 @@ def _why(seen: Array, axes: Array, first: int, largest_tilt: float) -> str:
     turn = float(np.degrees(np.arccos(np.clip(axes[first] @ axes[first + 1], -1.0, 1.0))))
     return (
         f"no one setting holds the move from point {first + 1} to point {first + 2}, which turns "
-        "the tool axis by "
-        f"{turn:.1f} deg; split the path there or allow a larger tilt than "
+        f"the tool axis by {turn:.1f} deg; split the path there or allow a larger tilt than "
         f"{np.degrees(largest_tilt):.1f} deg"
     )

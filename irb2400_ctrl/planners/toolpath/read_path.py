@@ -119,11 +119,11 @@ def read_program(
             default_spindle=2 * math.pi * (spindle_rpm or 0.0) / 60,
         )
         if kind == "G-code":
-            program = read_gcode(text, str(path), builder, units, rotary, frames)
+            program = read_gcode(text, builder, units, rotary, frames)
         elif kind == HEIDENHAIN:
-            program = read_heidenhain(text, str(path), builder, units, rotary, frames)
+            program = read_heidenhain(text, builder, units, rotary, frames)
         else:
-            program = read_apt(text, str(path), kind, builder, units)
+            program = read_apt(text, kind, builder, units)
     if units is None:
         _check_size(program)
     if not program.operations:

@@ -249,3 +249,20 @@ def test_a_csv_header_whose_quotes_do_not_fit_is_refused(tmp_path: Path) -> None
     file.write_text('"x_mm,y_mm,z_mm,i,j,k\n0,0,0,0,0,1\n')
     with pytest.raises(InputError, match="line 1: the quotes do not fit"):
         read_program(file)
+
+
+def test_a_note_of_a_word_does_not_repeat_its_file_and_line(tmp_path: Path) -> None:
+    file = tmp_path / "part.apt"
+    file.write_text("GOTO/0,0,0\nGOTO/1,x,0\nGOTO/1,x,0\nGOTO/5,0,0\n")
+    notes = [note for note in read_program(file, strict=False).notes if note.kind == "unknown"]
+    assert [(note.line, note.text, note.count) for note in notes] == [
+        (2, "GOTO: found 'X', expected a number", 2)
+    ]
+    with pytest.raises(InputError, match=r"part\.apt, line 2, GOTO: found 'X', expected a number"):
+        read_program(file)
+
+
+def test_an_arc_without_an_end_is_said_of_its_own_line(tmp_path: Path) -> None:
+    text = "GOTO/0,0,0\nCIRCLE/10,0,0,0,0,1,10\nFEDRAT/100,MMPM\nFINI\n"
+    with pytest.raises(InputError, match=r"part\.apt, line 2: CIRCLE/ is not read"):
+        read_program(written(tmp_path, text))

@@ -243,3 +243,22 @@ def test_a_count_of_zero_only_keeps_the_words_and_is_said(tmp_path: Path) -> Non
 def test_the_same_hole_several_times_is_said(tmp_path: Path) -> None:
     notes = program(tmp_path, f"{HEAD}G73 X5 Y0 Z-5 R2 Q2 K2 F100\nG80\nM2\n").of_kind("assumed")
     assert "the same hole 2 times; on some controls K is a length" in " ".join(map(str, notes))
+
+
+@pytest.mark.parametrize(
+    ("name", "text"),
+    [
+        ("part.nc", "G21 G90\nG43.4 H1\nG0 X0 Y0 Z20 A30\nG1 Z10 F100\nG81 X5 Z-5 R2 F100\n"),
+        ("part.mpf", "G71 G90\nTRAORI\nG0 X0 Y0 Z20 A30\nG1 Z10 F100\nCYCLE81(20,0,2,-5)\n"),
+        (
+            "part.h",
+            "BEGIN PGM A MM\nM128\nL X+0 Y+0 Z+20 A+30 FMAX\nL Z+10 F100\n"
+            "CYCL DEF 200 Q200=2 Q201=-10 Q206=150 Q203=0\nL X+5 F100 M99\n",
+        ),
+    ],
+)
+def test_a_hole_with_the_tool_not_along_z_is_refused(tmp_path: Path, name: str, text: str) -> None:
+    file = tmp_path / name
+    file.write_text(text)
+    with pytest.raises(InputError, match="a cycle with the tool not along its Z"):
+        read_program(file, rotary="C,A")

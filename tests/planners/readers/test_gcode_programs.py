@@ -120,6 +120,7 @@ def test_variables_that_the_file_sets_are_numbers(
         ("#1=[2", "in an expression"),
         ("#1=BIN[3]", "the function BIN, which is not read"),
         ("#1=[0-8]**0.5", "no finite value"),
+        ("#1=0**[0-1]", "no finite value"),
         ("#1=[0-7] MOD 4", "MOD of a negative number, which controls calculate"),
         ("#1=FIX[-2.5]", "FIX of a negative number, which controls calculate"),
         ("#1=FUP[-2.5]", "FUP of a negative number"),

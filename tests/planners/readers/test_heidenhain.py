@@ -97,7 +97,7 @@ def test_arcs_and_polar_places_as_in_g_code(tmp_path: Path, blocks: str, same: s
 
 
 def test_datum_shift_and_rotation(tmp_path: Path) -> None:
-    shifted = "CYCL DEF 7.0 DATUM\nCYCL DEF 7.1 X+100\nCYCL DEF 7.2 IY+50\n"
+    shifted = "CYCL DEF 7.0 DATUM\nCYCL DEF 7.1 X+ 100\nCYCL DEF 7.2 IY+50\n"
     turned = "CYCL DEF 10.0 ROTATION\nCYCL DEF 10.1 ROT+90\n"
     back = "CYCL DEF 10.0 ROTATION\nCYCL DEF 10.1 ROT+0\nCYCL DEF 7.0 DATUM\nCYCL DEF 7.1 X+0 Y+0\n"
     found = points(tmp_path, f"{shifted}{turned}L X+2 Y+0 Z+1 F60\n{back}L X+3 Y+0 Z+1\n")

@@ -15,9 +15,9 @@ from irb2400_ctrl.planners.toolpath.readers.expansion.drilling import HoleCycle
 
 
 def cycle(words: str, dialect: str = CATIA) -> HoleCycle:
-    statement = next(iter(statements(f"CYCLE/{words}", "part")))
+    statement = next(iter(statements(f"CYCLE/{words}")))
     assert isinstance(statement, Statement)
-    return hole_cycle(statement, 1e-3, dialect, "part, line 1")
+    return hole_cycle(statement, 1e-3, dialect)
 
 
 # words, depth, clearance, feed [mm/min] or [mm per turn], and whether they can be read two ways

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 from irb2400_ctrl.planners.programs.rapid.rapid_forms import (
@@ -213,21 +213,29 @@ def calls(procedure: Procedure) -> list[str]:
 
 def recursion(procedures: dict[str, Procedure]) -> list[str]:
     """Names of procedures that call one another in a circle; empty where none do."""
-    free: set[str] = set()
-    for start in procedures:
+    return called_first(procedures, procedures)[1]
+
+
+def called_first(
+    starts: Iterable[str], procedures: dict[str, Procedure]
+) -> tuple[list[str], list[str]]:
+    """These procedures and all that they call, each after what it calls itself, up to the first
+    that call one another in a circle; and the names in that circle."""
+    done: dict[str, None] = {}
+    for start in starts:
         way = [(start, iter(calls(procedures[start])))]
         while way:
             name, rest = way[-1]
-            called = next((c for c in rest if c in procedures and c not in free), None)
+            called = next((c for c in rest if c in procedures and c not in done), None)
             if called is None:
-                free.add(name)
                 way.pop()
+                done[name] = None
                 continue
             names = [n for n, _ in way]
             if called in names:
-                return [*names[names.index(called) :], called]
+                return list(done), [*names[names.index(called) :], called]
             way.append((called, iter(calls(procedures[called]))))
-    return []
+    return list(done), []
 
 
 def loaded_file(statement: Statement) -> str:

@@ -138,13 +138,7 @@ def rapid_program(
 def _said(
     writer: EventWriter, events: dict[int, list[ProgramEvent]], first: int
 ) -> dict[int, list[str]]:
-    """The lines of the events at each row of the program.
-
-    Args:
-        writer: knows the signals.
-        events: by the row of the plan.
-        first: row of the program at which the plan begins.
-    """
+    """The lines of the events at each row of the program."""
     return {
         row + first: [line for event in found for line in writer.lines(event)]
         for row, found in events.items()

@@ -11,7 +11,12 @@ import numpy as np
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InputError
-from irb2400_ctrl.planners.programs.rapid.rapid_check import calls, loaded_file, recursion
+from irb2400_ctrl.planners.programs.rapid.rapid_check import (
+    called_first,
+    calls,
+    loaded_file,
+    recursion,
+)
 from irb2400_ctrl.planners.programs.rapid.rapid_forms import (
     FORMS,
     name_fault,
@@ -132,7 +137,7 @@ def _refuse_endless(module: str, entry: Procedure, procedures: dict[str, Procedu
         )
     sizes: dict[str, int] = {}
     depths: dict[str, int] = {}
-    for name in _called_first(entry.name.lower(), procedures):
+    for name in called_first([entry.name.lower()], procedures)[0]:
         called = [c for c in calls(procedures[name]) if c in procedures]
         sizes[name] = len(procedures[name].statements) + sum(sizes[c] for c in called)
         depths[name] = 1 + max((depths[c] for c in called), default=0)
@@ -142,23 +147,6 @@ def _refuse_endless(module: str, entry: Procedure, procedures: dict[str, Procedu
                 f"in {depths[name]} levels of calls, expected at most {MOST_STATEMENTS:,} in "
                 f"{_DEEPEST}"
             )
-
-
-def _called_first(entry: str, procedures: dict[str, Procedure]) -> list[str]:
-    """The entry and all that it calls, each after what it calls itself."""
-    order: list[str] = []
-    done: set[str] = set()
-    way = [(entry, iter(calls(procedures[entry])))]
-    while way:
-        name, rest = way[-1]
-        called = next((c for c in rest if c in procedures and c not in done), None)
-        if called is None:
-            way.pop()
-            done.add(name)
-            order.append(name)
-        else:
-            way.append((called, iter(calls(procedures[called]))))
-    return order
 
 
 class _Reader:

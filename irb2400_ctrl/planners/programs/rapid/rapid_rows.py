@@ -120,12 +120,7 @@ def checked_feeds(feeds: ArrayLike | None, count: int) -> Array:
 def wrist_rows(q: Array, given: npt.NDArray[np.bool_] | None) -> npt.NDArray[np.bool_]:
     """Rows next to a passage through the wrist singularity, shape (n,)."""
     if given is not None:
-        crossing = np.asarray(given)
-        if crossing.shape != (len(q),) or crossing.dtype != np.bool_:
-            raise InputError(
-                f"RAPID: wrist_crossing is {crossing.dtype} {crossing.shape}, expected bool "
-                f"({len(q)},)"
-            )
+        crossing = row_flags("wrist_crossing", given, len(q))
         # the move that leaves a flagged row passes the singularity too
         flagged: npt.NDArray[np.bool_] = crossing | np.append(False, crossing[:-1])
         return flagged

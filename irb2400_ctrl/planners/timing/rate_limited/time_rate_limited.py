@@ -201,10 +201,6 @@ class _Search:
     def loses(self, inside: _Found, found: _Found) -> bool:
         """Whether a motion is not within its limits, or was slowed by more than a row and a
         thousandth to be.
-
-        Args:
-            inside: the slowed motion.
-            found: as it was solved.
         """
         row = 0.0 if self.sampling is None else 1 / self.sampling.rate
         least = max(_LOST * found.law.duration, row)

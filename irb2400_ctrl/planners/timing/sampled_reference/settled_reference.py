@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import partial
 
 import numpy as np
 import numpy.typing as npt
@@ -111,70 +109,10 @@ def settled_reference(
         sampling: which rows the file has of a law.
         slow: whether the law may be slowed.
     """
-    look = _Look(partial(_looked_at, dynamics, task, limits=limits, sampling=sampling))
-    found = _slowed(look, law, dynamics, task, limits, sampling) if slow else look(law)
+    look = _Look(dynamics, task, limits, sampling)
+    found = look.slowed(law) if slow else look(law)
     # where the bounds lie told what to slow; of a long motion they are many MB
     return replace(found, bounds=found.bounds.largest)
-
-
-def _slowed(
-    look: _Look,
-    law: TimeLaw,
-    dynamics: PathDynamics,
-    task: TaskPath,
-    limits: MotionLimits,
-    sampling: Sampling,
-) -> Settled:
-    """The rows of the law that keeps the limits, with the bounds of all cells."""
-    asked = law
-    bounded = look(law).bounded
-    unslowed = look(law).worst(limits)
-    swing = _Swing.of(look(law), limits)
-    nearly = _slower_all_over(look, law, limits, _HARDLY)
-    if look(nearly).worst(limits) <= 1:
-        return look(nearly)
-    if not (isinstance(law, PiecewiseConstantLaw) and bounded):
-        return look(_slower_all_over(look, law, limits, _HOPELESS))
-    for _ in range(_ROUNDS):
-        if swing.by_effort >= _HOPELESS:
-            break
-        slower = _slower_where(dynamics, task, law, swing, limits, sampling)
-        if slower.duration <= law.duration:
-            break
-        law = slower
-        swing = _Swing.of(look(law), limits)
-        nearly = _slower_all_over(look, law, limits, _HARDLY)
-        if look(nearly).worst(limits) <= 1:
-            law = nearly
-            break
-    if look(law).worst(limits) > unslowed:
-        # axes too weak to come back so fast to their speed
-        return look(_slower_all_over(look, asked, limits, _HOPELESS))
-    # coming back to its speed the law itself may need more than its rows
-    own = law.bounds(task.joints, limits, dynamics)
-    effort = max(own.torque_ratio, own.acceleration_ratio)
-    if effort > 1:
-        law = law.slowed(1 + _BY_TORQUE * (effort - 1))
-    last = _slower_all_over(look, law, limits, _HOPELESS)
-    kept = last is law and effort <= 1
-    return replace(look(last), own=own) if kept else look(last)
-
-
-@dataclass
-class _Look:
-    """The rows of one law at a time: of a long motion they are tens of MB, and may be made
-    again."""
-
-    of: Callable[[TimeLaw], Settled]
-    _law: TimeLaw | None = None
-    _found: Settled | None = None
-
-    def __call__(self, law: TimeLaw) -> Settled:
-        if self._found is None or law is not self._law:
-            self._law = self._found = None
-            self._found = self.of(law)
-            self._law = law
-        return self._found
 
 
 @dataclass(frozen=True)
@@ -187,56 +125,137 @@ class _Swing:
     wanted: Array
     """how many times slower each interval between them has to be"""
 
-    @classmethod
-    def of(cls, found: Settled, limits: MotionLimits) -> _Swing:
+
+@dataclass
+class _Look:
+    """The rows of one law of a path at a time: of a long motion they are tens of MB, and may be
+    made again."""
+
+    dynamics: PathDynamics
+    task: TaskPath
+    limits: MotionLimits
+    sampling: Sampling
+    _law: TimeLaw | None = None
+    _found: Settled | None = None
+
+    def __call__(self, law: TimeLaw) -> Settled:
+        """The rows of a law, and their bounds."""
+        if self._found is None or law is not self._law:
+            self._law = self._found = None
+            self._found = self._made(law)
+            self._law = law
+        return self._found
+
+    def _made(self, law: TimeLaw) -> Settled:
+        dynamics = self.dynamics
+        give_back_freed()
+        reference = self.sampling.reference(law, self.task.joints).as_written(dynamics.lengths)
+        bounds = reference.bounds(dynamics, self.limits)
+        torque = bounds.torque.max(axis=0)
+        if not np.isfinite(torque).all():
+            torque = np.where(np.isfinite(torque), torque, _sampled_torque(dynamics, reference))
+        return Settled(law, reference, bounds, torque, self.task.feed_ratios(law, reference.places))
+
+    def slowed(self, law: TimeLaw) -> Settled:
+        """The rows of the law that keeps the limits, with the bounds of all cells."""
+        limits = self.limits
+        asked = law
+        bounded = self(law).bounded
+        unslowed = self(law).worst(limits)
+        swing = self.swing(law)
+        nearly = self.slower_all_over(law, _HARDLY)
+        if self(nearly).worst(limits) <= 1:
+            return self(nearly)
+        if not (isinstance(law, PiecewiseConstantLaw) and bounded):
+            return self(self.slower_all_over(law, _HOPELESS))
+        for _ in range(_ROUNDS):
+            if swing.by_effort >= _HOPELESS:
+                break
+            slower = self.slower_where(law, swing)
+            if slower.duration <= law.duration:
+                break
+            law = slower
+            swing = self.swing(law)
+            nearly = self.slower_all_over(law, _HARDLY)
+            if self(nearly).worst(limits) <= 1:
+                law = nearly
+                break
+        if self(law).worst(limits) > unslowed:
+            # axes too weak to come back so fast to their speed
+            return self(self.slower_all_over(asked, _HOPELESS))
+        # coming back to its speed the law itself may need more than its rows
+        own = law.bounds(self.task.joints, limits, self.dynamics)
+        effort = max(own.torque_ratio, own.acceleration_ratio)
+        if effort > 1:
+            law = law.slowed(1 + _BY_TORQUE * (effort - 1))
+        last = self.slower_all_over(law, _HOPELESS)
+        kept = last is law and effort <= 1
+        return replace(self(last), own=own) if kept else self(last)
+
+    def swing(self, law: TimeLaw) -> _Swing:
+        """How far, and where, the rows of a law swing above the limits."""
+        found = self(law)
         rows = found.reference.rows.time
-        return cls(found.by_effort(limits), rows, _wanted(found.bounds, found.feed, rows, limits))
+        wanted = self._wanted(found.bounds, found.feed, rows)
+        return _Swing(found.by_effort(self.limits), rows, wanted)
 
+    def slower_all_over(self, law: TimeLaw, most: float) -> TimeLaw:
+        """The whole motion slowed, at most by that factor, until it keeps its limits."""
+        factor = 1.0
+        slowed = law
+        for _ in range(_ROUNDS):
+            worst = self(slowed).worst(self.limits)
+            factor *= self(slowed).slower(self.limits) + _ROUNDING
+            if not 1 < worst < _HOPELESS or factor > most:
+                break
+            slowed = law.slowed(factor)
+        return slowed
 
-def _slower_all_over(look: _Look, law: TimeLaw, limits: MotionLimits, most: float) -> TimeLaw:
-    """The whole motion slowed, at most by that factor, until it keeps its limits."""
-    factor = 1.0
-    slowed = law
-    for _ in range(_ROUNDS):
-        worst = look(slowed).worst(limits)
-        factor *= look(slowed).slower(limits) + _ROUNDING
-        if not 1 < worst < _HOPELESS or factor > most:
-            break
-        slowed = law.slowed(factor)
-    return slowed
+    def slower_where(self, law: PiecewiseConstantLaw, swing: _Swing) -> PiecewiseConstantLaw:
+        """The law slowed around the rows that swing above a limit, until they do not, wherever
+        between its own places a row may come to lie."""
+        rate = self.sampling.rate
+        rows = swing.rows
+        wanted = swing.wanted
+        places = law.at(_spans(rows, np.maximum(wanted, 1.0 + _abrupt(law, rows))))[0]
+        for _ in range(_ROUNDS):
+            factors = slowing(wanted)
+            before = law.at(rows)[0]
+            law = law.slowed_at(rows, factors)
+            # what nobody slowed is as it was
+            places = places[_touches(places, before[factors > 1])]
+            spans = np.interp(places, law.s, law.time)
+            rows = np.arange(np.ceil(law.duration * rate) + 2) / rate
+            wanted = np.ones(len(rows) - 1)
+            for part in range(PHASES):
+                read = Excerpt.of(law, self.task.joints, self.sampling, spans, part / PHASES)
+                feed = read.feed(self.task, law)
+                bounds = read.bounds(self.dynamics, self.limits)
+                more = self._wanted(bounds, feed, read.places.knots)
+                row = np.clip((read.start * rate).astype(int), 0, len(wanted) - 1)
+                np.maximum.at(wanted, row, more)
+            if wanted.max() <= 1:
+                break
+        return law
 
-
-def _slower_where(
-    dynamics: PathDynamics,
-    task: TaskPath,
-    law: PiecewiseConstantLaw,
-    swing: _Swing,
-    limits: MotionLimits,
-    sampling: Sampling,
-) -> PiecewiseConstantLaw:
-    """The law slowed around the rows that swing above a limit, until they do not, wherever between
-    its own places a row may come to lie."""
-    rows = swing.rows
-    wanted = swing.wanted
-    places = law.at(_spans(rows, np.maximum(wanted, 1.0 + _abrupt(law, rows))))[0]
-    for _ in range(_ROUNDS):
-        factors = slowing(wanted)
-        before = law.at(rows)[0]
-        law = law.slowed_at(rows, factors)
-        # what nobody slowed is as it was
-        places = places[_touches(places, before[factors > 1])]
-        spans = np.interp(places, law.s, law.time)
-        rows = np.arange(np.ceil(law.duration * sampling.rate) + 2) / sampling.rate
-        wanted = np.ones(len(rows) - 1)
-        for part in range(PHASES):
-            read = Excerpt.of(law, task.joints, sampling, spans, part / PHASES)
-            feed = read.feed(task, law)
-            more = _wanted(read.bounds(dynamics, limits), feed, read.places.knots, limits)
-            row = np.clip((read.start * sampling.rate).astype(int), 0, len(wanted) - 1)
-            np.maximum.at(wanted, row, more)
-        if wanted.max() <= 1:
-            break
-    return law
+    def _wanted(
+        self, bounds: ReferenceBounds, feed: tuple[Array, Array] | None, rows: Array
+    ) -> Array:
+        """How many times slower each interval between rows has to be, at least 1, (rows - 1,)."""
+        limits = self.limits
+        # both fall with the square of the speed, torque but for gravity and friction
+        torque = (bounds.torque / limits.tau_max).max(axis=1)
+        effort = np.maximum(torque, (bounds.acceleration / limits.qdd_max).max(axis=1))
+        speed = (bounds.speed / limits.qd_max).max(axis=1)
+        parts = [(bounds.time, np.maximum(1 + _MORE * _BY_TORQUE * (effort - 1), speed))]
+        if feed is not None:
+            parts.append(feed)
+        found = np.ones(len(rows) - 1)
+        for ends, ratio in parts:
+            row = np.searchsorted(rows, (ends[:-1] + ends[1:]) / 2) - 1
+            np.maximum.at(found, np.clip(row, 0, len(found) - 1), ratio)
+        # what swings from a rapid move into a slow cut is settled by far less than its ratio
+        return np.where(found > 1, np.minimum(found, _AT_ONCE) + _SPARE, 1.0)
 
 
 def _touches(places: Array, slowed: Array) -> npt.NDArray[np.bool_]:
@@ -262,38 +281,6 @@ def _abrupt(law: TimeLaw, rows: Array) -> Array:
     _, speed, acceleration = law.at(rows)
     bend = np.abs(np.diff(acceleration)) * np.diff(rows)
     return np.asarray(bend > _BEND * np.maximum(speed[:-1], speed[1:]))
-
-
-def _wanted(
-    bounds: ReferenceBounds, feed: tuple[Array, Array] | None, rows: Array, limits: MotionLimits
-) -> Array:
-    """How many times slower each interval between rows has to be, at least 1, shape (rows - 1,)."""
-    # both fall with the square of the speed, torque but for gravity and friction
-    torque = (bounds.torque / limits.tau_max).max(axis=1)
-    effort = np.maximum(torque, (bounds.acceleration / limits.qdd_max).max(axis=1))
-    speed = (bounds.speed / limits.qd_max).max(axis=1)
-    parts = [(bounds.time, np.maximum(1 + _MORE * _BY_TORQUE * (effort - 1), speed))]
-    if feed is not None:
-        parts.append(feed)
-    found = np.ones(len(rows) - 1)
-    for ends, ratio in parts:
-        row = np.searchsorted(rows, (ends[:-1] + ends[1:]) / 2) - 1
-        np.maximum.at(found, np.clip(row, 0, len(found) - 1), ratio)
-    # what swings from a rapid move into a slow cut is settled by far less than its ratio
-    return np.where(found > 1, np.minimum(found, _AT_ONCE) + _SPARE, 1.0)
-
-
-def _looked_at(
-    dynamics: PathDynamics, task: TaskPath, law: TimeLaw, limits: MotionLimits, sampling: Sampling
-) -> Settled:
-    """The rows of a law, and their bounds."""
-    give_back_freed()
-    reference = sampling.reference(law, task.joints).as_written(dynamics.lengths)
-    bounds = reference.bounds(dynamics, limits)
-    torque = bounds.torque.max(axis=0)
-    if not np.isfinite(torque).all():
-        torque = np.where(np.isfinite(torque), torque, _sampled_torque(dynamics, reference))
-    return Settled(law, reference, bounds, torque, task.feed_ratios(law, reference.places))
 
 
 def _sampled_torque(dynamics: PathDynamics, reference: SampledReference) -> Array:

@@ -22,26 +22,21 @@ class Feed:
     """"speed" [m/s], "turn" [m per revolution], "inverse" [moves per second], or "none" """
     value: float = math.inf
 
-    def speed(self, length: float, spindle_speed: float, place: str) -> float:
+    def speed(self, length: float, spindle_speed: float) -> float:
         """Speed of the tool tip [m/s] on a move of `length` [m]; `spindle_speed` [rad/s].
-
-        Args:
-            length: [m].
-            spindle_speed: [rad/s].
-            place: file and line, for messages.
 
         Raises:
             InputError: a feed of zero; one per revolution, and the spindle stands.
         """
         if self.value == 0:
             raise InputError(
-                f"{place}: a cut with the feed zero, at which the tool stands; expected a positive "
+                "a cut with the feed zero, at which the tool stands; expected a positive "
                 "feed before it or in its block"
             )
         if self.kind == "turn":
             if spindle_speed <= 0:
                 raise InputError(
-                    f"{place}: the feed is per revolution, but no spindle speed is stated; "
+                    "the feed is per revolution, but no spindle speed is stated; "
                     "expected SPINDL/…,RPM (or S and M3) before the move, a feed per minute, or "
                     "the speed from you (spindle_rpm=…, --spindle-rpm …)"
                 )
@@ -50,7 +45,7 @@ class Feed:
             return max(self.value * length, 1e-9)
         return self.value
 
-    def turning_alone(self, place: str) -> str:
+    def turning_alone(self) -> str:
         """What is said of a cut in which the tip stands and the tool turns.
 
         Raises:
@@ -58,10 +53,9 @@ class Feed:
         """
         if self.kind == "inverse":
             raise InputError(
-                f"{place}: found a cut in inverse time (G93, INVERS) that turns the tool on the "
-                "spot; a plan has feeds of the tip, which stands, and cannot hold its time: "
-                "expected G94, where it turns as fast as the arm's limits allow, or a turn on the "
-                "way"
+                "found a cut in inverse time (G93, INVERS) that turns the tool on the spot; a plan "
+                "has feeds of the tip, which stands, and cannot hold its time: expected G94, where "
+                "it turns as fast as the arm's limits allow, or a turn on the way"
             )
         return (
             "a cut that turns the tool on the spot: F, degrees per minute on many controls, does "

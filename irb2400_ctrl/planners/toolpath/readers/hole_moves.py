@@ -25,7 +25,7 @@ def drill(
     for step in drilling.approach(cycle, builder.here, point, builder.axis):
         builder.move(step.position, rapid=True)
     builder.feed = kept if cycle.feed is None else cycle.feed
-    for step in drilling.hole(cycle, point, builder.axis, builder.place):
+    for step in drilling.hole(cycle, point, builder.axis):
         builder.move(step.position, rapid=step.rapid)
         if step.dwell > 0:
             builder.dwell(step.dwell)

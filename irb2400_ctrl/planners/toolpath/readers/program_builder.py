@@ -15,6 +15,9 @@ from irb2400_ctrl.planners.toolpath.readers.expansion.arcs import Arc
 from irb2400_ctrl.planners.toolpath.readers.feed import Feed
 from irb2400_ctrl.planners.toolpath.readers.notes import Notes
 from irb2400_ctrl.planners.toolpath.readers.operation_draft import FROM_ABOVE, Draft, finished
+from irb2400_ctrl.planners.toolpath.readers.unread_line import (
+    TooMuchError,
+)
 
 CHORD = 5e-5
 # a cut in which the tip goes less for each radian of turning has no feed to speak of [m/rad]
@@ -23,11 +26,7 @@ MOST_POINTS = 2_000_000
 UP = np.array([0.0, 0.0, 1.0])
 
 
-class TooManyPointsError(InputError):
-    """The file is larger than the limit."""
-
-
-class ProgramBuilder:
+class ProgramBuilder(Notes):
     """Collects moves, events and notes while a reader walks through a file.
 
     A tool change, a stop, a change of the spindle and a new name begin a new operation. Lengths in
@@ -46,13 +45,11 @@ class ProgramBuilder:
     ) -> None:
         if not chord > 0:
             raise InputError(f"chord: found {chord} m, expected a positive length")
-        self.name = name
+        super().__init__(name, strict=strict)
         self.default_name = default_name
         self.default_spindle = default_spindle
         self.chord = chord
         self.most_points = most_points
-        self.strict = strict
-        self.line = 0
         self.here: Array | None = None
         self.axis = UP
         self.feed = Feed()
@@ -68,16 +65,10 @@ class ProgramBuilder:
         """something was said about the tool since the last motion"""
         self._points = 0
         self._done: list[Draft] = []
-        self._notes = Notes()
         self._feedless = False
         self._from_above = False
         """the tool is another one, and its height is not stated yet"""
         self._draft = self._new_draft()
-
-    @property
-    def place(self) -> str:
-        """Where the reader is, for messages."""
-        return f"{self.name}, line {self.line}"
 
     @property
     def points(self) -> int:
@@ -102,7 +93,7 @@ class ProgramBuilder:
         self._split(keep_place=False)
         self._from_above = self.moved
         if self.moved and (self.spindle.speed > 0 or self.coolant != "off"):
-            self.note("assumed", "a change of tool stops spindle and coolant until stated again")
+            self.assume("a change of tool stops spindle and coolant until stated again")
             self.set_spindle(Spindle(0.0, self.spindle.clockwise))
             self.set_coolant("off")
         text = f"{'' if tool.number is None else tool.number} {tool.name}".strip()
@@ -173,17 +164,6 @@ class ProgramBuilder:
         point = len(self._draft.position) - 1
         self._draft.events.append(Event("dwell", point, self.line, f"{seconds:g} s", seconds))
 
-    def note(self, kind: str, text: str) -> None:
-        """A statement that makes no motion; equal ones are counted."""
-        self._notes.add(kind, self.line, text)
-
-    def failed(self, error: InputError) -> None:
-        """A statement could not be read: refuse, or note it where the caller only looks at the
-        file."""
-        if self.strict or isinstance(error, TooManyPointsError):
-            raise error
-        self.note("unknown", str(error).removeprefix(f"{self.place}: "))
-
     def move(
         self,
         position: Array,
@@ -214,24 +194,22 @@ class ProgramBuilder:
             InputError: the ends do not lie on one circle about the axis.
         """
         if self.here is None:
-            raise InputError(f"{self.place}: an arc begins, but the tool's place is not known yet")
+            raise InputError("an arc begins, but the tool's place is not known yet")
         start = self.here
-        if arcs.checked_miss(arc, start, end, self.place) > arcs.EXPECTED_MISS:
-            self.note(
-                "assumed", "start, end and radius of an arc differ by rounding; both ends are met"
-            )
+        if arcs.checked_miss(arc, start, end) > arcs.EXPECTED_MISS:
+            self.assume("start, end and radius of an arc differ by rounding; both ends are met")
         self._begin_cut(rapid, curved=True)
         if self._points + arcs.count(arc, start, end, self.chord) > self.most_points:
             self._too_many()
         places = arcs.points(arc, start, end, self.chord)
         length = float(np.linalg.norm(np.diff(np.vstack([start, places]), axis=0), axis=1).sum())
-        axes = arcs.blended_axes(self.axis, axis, len(places), self.place)
+        axes = arcs.blended_axes(self.axis, axis, len(places))
         self._curve(places, axes, self._speed(length, rapid), rapid)
 
     def curve(self, places: Array, axes: Array | None, *, rapid: bool = False) -> None:
         """A polyline that stands for a curve from where the tool is."""
         if self.here is None:
-            raise InputError(f"{self.place}: a curve begins, but the tool's place is not known yet")
+            raise InputError("a curve begins, but the tool's place is not known yet")
         self._begin_cut(rapid, curved=True)
         length = float(
             np.linalg.norm(np.diff(np.vstack([self.here, places]), axis=0), axis=1).sum()
@@ -254,10 +232,10 @@ class ProgramBuilder:
                 "2 (GOTO/… in APT, G0 or G1 in G-code)"
             )
         if any(not np.array_equal(d.frame, self._done[0].frame) for d in self._done):
-            self.note("assumed", "points in several frames: all brought into the first one")
+            self.assume("points in several frames: all brought into the first one")
         name = PurePath(self.name).name
         done = finished(self._done, self.default_name)
-        return CamProgram(name, dialect, done, self._notes.all(), units, units_stated)
+        return CamProgram(name, dialect, done, self.notes(), units, units_stated)
 
     def _new_draft(self) -> Draft:
         frame = (self.frame, self.stated_frame)
@@ -268,7 +246,7 @@ class ProgramBuilder:
         old = self._draft
         moves = old.moves
         if old.begin_above():
-            self._notes.add("assumed", old.line[0], FROM_ABOVE)
+            self._add("assumed", old.line[0], FROM_ABOVE)
         if moves:
             self._done.append(old)
         self._draft = self._new_draft()
@@ -276,7 +254,7 @@ class ProgramBuilder:
             self._draft.events = [replace(event, point=-1) for event in old.events]
             if len(old.position) == 1 and not keep_place and not old.continues:
                 self.line = max(self.line, old.line[0])
-                self.note("assumed", "a single point without a way to it makes no operation")
+                self.assume("a single point without a way to it makes no operation")
         if keep_place and self.here is not None and old.position:
             self._draft.continues = True
             self._append(self.here, np.inf, True, old.line[-1])
@@ -291,30 +269,31 @@ class ProgramBuilder:
         if begins and self.here is not None and (curved or not (rapid or changed)):
             self._append(self.here, np.inf, True)
         elif begins and not rapid:
-            self.note(
-                "assumed",
+            self.assume(
                 "a cut first behind a change of tool is begun at its end: where the tool comes "
-                "from is not stated",
+                "from is not stated"
             )
 
     def _speed(self, length: float, rapid: bool) -> float:
         if rapid:
             return np.inf
         try:
-            speed = self.feed.speed(length, self.spindle.speed or self.default_spindle, self.place)
+            speed = self.feed.speed(length, self.spindle.speed or self.default_spindle)
         except InputError as error:
             # whoever only looks at the file shall see the point all the same
+            if self.strict:
+                raise
             self.failed(error)
             return np.inf
         if not np.isfinite(speed) and not self._feedless and self.here is not None:
             self._feedless = True
-            self.note("assumed", "a cut without a stated feed is not limited in speed")
+            self.assume("a cut without a stated feed is not limited in speed")
         return speed
 
     def _turn(self, length: float, turn: float, rapid: bool) -> None:
         """What is said of a cut that turns the tool by an angle [rad] on hardly any way [m]."""
         if self._draft.position and not rapid and length < ON_THE_SPOT * turn:
-            self.note("assumed", self.feed.turning_alone(self.place))
+            self.assume(self.feed.turning_alone())
 
     def _curve(self, places: Array, axes: Array, speed: float, rapid: bool) -> None:
         for place, axis in zip(places, axes, strict=True):
@@ -327,7 +306,7 @@ class ProgramBuilder:
             self._too_many()
         if not np.abs(position).max() < 1e3:
             raise InputError(
-                f"{self.place}: the point lies {np.abs(position).max():.3g} m away, expected less "
+                f"the point lies {np.abs(position).max():.3g} m away, expected less "
                 "than 1000 m; check the numbers and the unit of length"
             )
         self.tool_described = False
@@ -340,7 +319,8 @@ class ProgramBuilder:
         self.here = position
 
     def _too_many(self) -> None:
-        raise TooManyPointsError(
-            f"{self.place}: the file makes more than {self.most_points:,} points; choose a larger "
-            "chord tolerance, or split the file"
+        raise TooMuchError(
+            self.line,
+            f"the file makes more than {self.most_points:,} points; choose a larger "
+            "chord tolerance, or split the file",
         )

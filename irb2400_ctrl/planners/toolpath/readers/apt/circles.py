@@ -16,6 +16,7 @@ from irb2400_ctrl.planners.toolpath.readers.dialect import CREO, NX
 from irb2400_ctrl.planners.toolpath.readers.expansion import arcs
 from irb2400_ctrl.planners.toolpath.readers.expansion.arcs import Arc
 from irb2400_ctrl.planners.toolpath.readers.program_builder import ProgramBuilder
+from irb2400_ctrl.planners.toolpath.readers.unread_line import UnreadLineError
 
 WORDS = frozenset({"TIMES", "ANGLE", "CENTER", "AXIS", "RADIUS", "CANON"})
 # Creo writes ten digits: a further point of an arc lies this close to its circle
@@ -52,15 +53,14 @@ class Circles:
     def begin(self, statement: Statement) -> None:
         """CIRCLE/ or MOVARC/ x,y,z,i,j,k[,r][,…][,TIMES,n][,ANGLE,a]; the next GOTO/ ends it."""
         self.none_open()
-        place = self._builder.place
-        values, times, angle = _values(statement, place)
+        values, times, angle = _values(statement)
         self._shorter = len(values) == 4
         if self._shorter:
             values = [*values[:3], 0.0, 0.0, 1.0, values[3]]
         wrong = len(values) < 6 or (len(values) > 6 and values[6] <= 0)
         if wrong or math.hypot(*values[3:6]) < 1e-6:
             raise InputError(
-                f"{place}: {statement.word}/ has the numbers {values}, expected x,y,z,i,j,k,radius"
+                f"{statement.word}/ has the numbers {values}, expected x,y,z,i,j,k,radius"
             )
         # NX: "axis vector … (assuming a clockwise direction)"; PTC: the right-hand rule
         sign = -1.0 if self._dialect == NX else 1.0
@@ -70,13 +70,13 @@ class Circles:
         self._angle = angle
         self._line = statement.line
         if times > 1:
-            self._builder.note("assumed", "TIMES,n: the arc ends in its n-th turn")
+            self._builder.assume("TIMES,n: the arc ends in its n-th turn")
         if self._shorter:
-            self._builder.note(
-                "assumed", f"{statement.word}/ without i,j,k: the shorter way to the next point"
+            self._builder.assume(
+                f"{statement.word}/ without i,j,k: the shorter way to the next point"
             )
         elif self._dialect not in {NX, CREO} and statement.word == "CIRCLE":
-            self._builder.note("assumed", "CIRCLE/ turns right-handed about its axis")
+            self._builder.assume("CIRCLE/ turns right-handed about its axis")
 
     def close(self, position: Array, axis: Array | None, rapid: bool) -> None:
         """The end of the arc."""
@@ -104,7 +104,7 @@ class Circles:
             if self._first < math.pi:
                 return False
             raise InputError(
-                f"{self._builder.place}: the points of the arc of line {self._line} go round more "
+                f"the points of the arc of line {self._line} go round more "
                 "than once about its i,j,k by the right-hand rule; expected them in the order in "
                 "which they are passed, or i,j,k the other way"
             )
@@ -119,23 +119,22 @@ class Circles:
         """InputError where an arc still waits for its end."""
         if self._arc is not None:
             self._arc = None
-            raise InputError(
-                f"{self._builder.name}, line {self._line}: CIRCLE/ is not read: no GOTO/ with the "
-                "end of the arc follows it"
+            raise UnreadLineError(
+                self._line, "CIRCLE/ is not read: no GOTO/ with the end of the arc follows it"
             )
 
     def set_direction(self, statement: Statement) -> None:
         """INDIRV/i,j,k."""
-        values = statement.numbers(self._builder.place)
+        values = statement.numbers()
         if len(values) != 3:
-            raise InputError(f"{self._builder.place}: INDIRV/ expects three numbers")
+            raise InputError("INDIRV/ expects three numbers")
         self._direction = np.array(values)
 
     def set_direction_to(self, statement: Statement) -> None:
         """INDIRP/x,y,z: towards this point."""
-        values = statement.numbers(self._builder.place)
+        values = statement.numbers()
         if len(values) != 3:
-            raise InputError(f"{self._builder.place}: INDIRP/ expects three numbers")
+            raise InputError("INDIRP/ expects three numbers")
         self._direction = self._placement.point(values) - self._placement.here()
 
     def follow(self, statement: Statement, rapid: bool) -> None:
@@ -143,13 +142,9 @@ class Circles:
         builder = self._builder
         self.none_open()
         if not np.array_equal(self._placement.shift, np.eye(4)):
-            raise InputError(f"{builder.place}: TLON/ together with TRACUT/ or TRANS/ is not read")
+            raise InputError("TLON/ together with TRACUT/ or TRANS/ is not read")
         arc, end = contour.arc_and_end(
-            statement,
-            self._placement.here(),
-            self._direction,
-            self._placement.unit,
-            builder.place,
+            statement, self._placement.here(), self._direction, self._placement.unit
         )
         self._direction = None
         builder.arc(arc, end, rapid=rapid)
@@ -165,7 +160,7 @@ class Circles:
                 turns = max(round((angle - once) / (2 * math.pi)), 0) + 1
                 return replace(turned, turns=turns)
         raise InputError(
-            f"{self._builder.place}: the arc of line {self._line} turns by {degrees:g} deg, but "
+            f"the arc of line {self._line} turns by {degrees:g} deg, but "
             "the next point lies elsewhere"
         )
 
@@ -179,7 +174,7 @@ class Circles:
         )
 
 
-def _values(statement: Statement, place: str) -> tuple[list[float], int, float | None]:
+def _values(statement: Statement) -> tuple[list[float], int, float | None]:
     """Numbers before TIMES and ANGLE, and theirs."""
     values: list[float] = []
     times = 1
@@ -189,11 +184,9 @@ def _values(statement: Statement, place: str) -> tuple[list[float], int, float |
         if not is_number(argument):
             last = argument.upper()
             if last not in WORDS:
-                raise InputError(
-                    f"{place}: {statement.word}/ has the word {last}, expected numbers"
-                )
+                raise InputError(f"{statement.word}/ has the word {last}, expected numbers")
             continue
-        value = number(argument, f"{place}, {statement.word}")
+        value = number(argument, statement.word)
         if last == "TIMES":
             times = max(round(value), 1)
         elif last == "ANGLE":

@@ -42,10 +42,9 @@ class Comments:
         """NX: `$$ centerline data` or `$$ contact contour data` before the points."""
         self._builder.on_profile = kind != "CENTERLINE"
         if self._builder.on_profile:
-            self._builder.note(
-                "assumed",
+            self._builder.assume(
                 "contact contour data: the points are where the cutter touches the part, and the "
-                "tool's tip goes there",
+                "tool's tip goes there"
             )
 
     def _row(self, text: str, unit: float) -> bool:
@@ -57,8 +56,7 @@ class Comments:
             return not self._matrix
         self._matrix += values
         if len(self._matrix) == 12:
-            place = self._builder.place
-            self._builder.set_frame(frames.of_rows(self._matrix, unit, place))
+            self._builder.set_frame(frames.of_rows(self._matrix, unit))
             self._matrix = None
         return True
 
@@ -66,7 +64,7 @@ class Comments:
         builder = self._builder
         if word == "CSYS":
             values = frames.numbers_in(text)
-            builder.set_frame(frames.of_rows(values, unit, builder.place))
+            builder.set_frame(frames.of_rows(values, unit))
         elif word == "FEATNO":
             builder.begin_operation(f"feature {text.strip()}")
         elif word == "CUTTER":

@@ -25,7 +25,7 @@ GEOMETRY = re.compile(r"(CIRCLE|CYLNDR|LINE|POINT)\s*/\s*([^()]*)", re.IGNORECAS
 
 
 def arc_and_end(
-    statement: Statement, start: Array, direction: Array | None, unit: float, place: str
+    statement: Statement, start: Array, direction: Array | None, unit: float
 ) -> tuple[Arc, Array]:
     """The arc of a `TLON,GOFWD/` statement and where it ends [m].
 
@@ -35,30 +35,30 @@ def arc_and_end(
     found: dict[str, list[list[float]]] = {}
     for word, values in GEOMETRY.findall(statement.text):
         texts = [v for v in split_arguments(values) if v and v.upper() != "CANON"]
-        numbers = [number(v, f"{place}, {word.upper()}") for v in texts]
+        numbers = [number(v, word.upper()) for v in texts]
         found.setdefault(word.upper(), []).append(numbers)
-    arc = _circle(found, unit, place)
+    arc = _circle(found, unit)
     second = re.search(r"ON\s*,\s*2\s*,\s*INTOF", statement.text, re.IGNORECASE) is not None
     stated = _stated_end(found, arc, start, unit)
     if stated is None:
-        turned = _with_direction(arc, start, direction, place)
-        return turned, _met(found, turned, start, second, unit, place)
+        turned = _with_direction(arc, start, direction)
+        return turned, _met(found, turned, start, second, unit)
     if direction is not None:
-        return _with_direction(arc, start, direction, place), stated
-    return _without_direction(arc, start, stated, second, place), stated
+        return _with_direction(arc, start, direction), stated
+    return _without_direction(arc, start, stated, second), stated
 
 
-def _circle(found: dict[str, list[list[float]]], unit: float, place: str) -> Arc:
+def _circle(found: dict[str, list[list[float]]], unit: float) -> Arc:
     shapes = found.get("CIRCLE", []) + found.get("CYLNDR", [])
     if len(shapes) != 1 or len(shapes[0]) not in {4, 7}:
         raise InputError(
-            f"{place}: GOFWD/ is read along (CIRCLE/x,y,z,r) or (CYLNDR/x,y,z,i,j,k,r); found "
+            f"GOFWD/ is read along (CIRCLE/x,y,z,r) or (CYLNDR/x,y,z,i,j,k,r); found "
             f"{sorted(found)}"
         )
     values = shapes[0]
     normal = np.array(values[3:6]) if len(values) == 7 else np.array([0.0, 0.0, 1.0])
     if not np.linalg.norm(normal) > 1e-6 or values[-1] <= 0:
-        raise InputError(f"{place}: the circle has no axis or no positive radius")
+        raise InputError("the circle has no axis or no positive radius")
     centre = unit * np.array(values[:3])
     unit_normal = normal / np.linalg.norm(normal)
     return Arc(centre, unit_normal, unit * values[-1], closes=arcs.SAME_PLACE)
@@ -84,20 +84,13 @@ def _stated_end(
 
 
 def _met(
-    found: dict[str, list[list[float]]],
-    arc: Arc,
-    start: Array,
-    second: bool,
-    unit: float,
-    place: str,
+    found: dict[str, list[list[float]]], arc: Arc, start: Array, second: bool, unit: float
 ) -> Array:
     """Where the motion meets any other line for the first or second time."""
     assert arc.radius is not None
     lines = [values for values in found.get("LINE", []) if len(values) == 6]
     if not lines:
-        raise InputError(
-            f"{place}: no end of the arc; expected ON,(LINE/centre,end) or a last (POINT/end)"
-        )
+        raise InputError("no end of the arc; expected ON,(LINE/centre,end) or a last (POINT/end)")
     ends = unit * np.array(lines[-1]).reshape(2, 3)
     way = _across(ends[1] - ends[0], arc)
     along = way / max(float(np.linalg.norm(way)), 1e-12)
@@ -105,7 +98,7 @@ def _met(
     foot = offset - (offset @ along) * along
     square = arc.radius**2 - float(foot @ foot)
     if square < 0:
-        raise InputError(f"{place}: the line that shall end the arc does not meet its circle")
+        raise InputError("the line that shall end the arc does not meet its circle")
     height = float((start - arc.centre) @ arc.normal) * arc.normal
     both = [arc.centre + height + foot + s * math.sqrt(square) * along for s in (-1.0, 1.0)]
     both.sort(key=lambda end: arcs.sweep(arc, start, end))
@@ -117,23 +110,23 @@ def _across(vector: Array, arc: Arc) -> Array:
     return np.asarray(vector - (vector @ arc.normal) * arc.normal)
 
 
-def _with_direction(arc: Arc, start: Array, direction: Array | None, place: str) -> Arc:
+def _with_direction(arc: Arc, start: Array, direction: Array | None) -> Arc:
     """The arc about its axis or against it, as `INDIRV/` says."""
     if direction is None:
-        raise InputError(f"{place}: an arc without INDIRV/ before it; which way is not known")
+        raise InputError("an arc without INDIRV/ before it; which way is not known")
     tangent = np.cross(arc.normal, start - arc.centre)
     share = float(tangent @ direction)
     if abs(share) < 1e-3 * float(np.linalg.norm(tangent) * np.linalg.norm(direction)):
         raise InputError(
-            f"{place}: the direction INDIRV/ points across the circle at the start of the arc; "
+            "the direction INDIRV/ points across the circle at the start of the arc; "
             "expected its tangent"
         )
     return arc if share > 0 else replace(arc, normal=-arc.normal)
 
 
-def _without_direction(arc: Arc, start: Array, end: Array, second: bool, place: str) -> Arc:
+def _without_direction(arc: Arc, start: Array, end: Array, second: bool) -> Arc:
     """The end is the second meeting with the line through the centre beyond half a turn."""
     turn = arcs.sweep(arc, start, end)
     if abs(turn - math.pi) < 1e-3:
-        raise InputError(f"{place}: half a circle without INDIRV/; which way round is not known")
+        raise InputError("half a circle without INDIRV/; which way round is not known")
     return arc if (turn > math.pi) == second else replace(arc, normal=-arc.normal)

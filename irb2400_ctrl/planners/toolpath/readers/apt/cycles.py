@@ -77,7 +77,7 @@ SEVERAL = frozenset({"ORIENT"})
 UP_WORDS = frozenset({"AUTO", "MANUAL"})
 
 
-def hole_cycle(statement: Statement, unit: float, dialect: str, place: str) -> HoleCycle:
+def hole_cycle(statement: Statement, unit: float, dialect: str) -> HoleCycle:
     """The hole of a `CYCLE/` statement.
 
     Args:
@@ -89,8 +89,8 @@ def hole_cycle(statement: Statement, unit: float, dialect: str, place: str) -> H
         InputError: no drilling cycle, no depth, or numbers whose meaning is not known.
     """
     words = statement.words
-    kind, name = _kind(words, place)
-    values, bare, feed, between = _values(statement, dialect == CREO, place)
+    kind, name = _kind(words)
+    values, bare, feed, between = _values(statement, dialect == CREO)
     feed_words = {word for word in words if word in CYCLE_FEED_WORDS}
     assumed = ""
     if feed is not None and between and len(bare) == 2 and not HEIGHTS & set(values):
@@ -99,20 +99,20 @@ def hole_cycle(statement: Statement, unit: float, dialect: str, place: str) -> H
     if feed is None and values.get("TPI", [0.0])[0] > 0:
         feed = 1 / values["TPI"][0]
         feed_words = {"IPR"}
-    depth, clear, steps = _bare(bare, values, place)
+    depth, clear, steps = _bare(bare, values)
     if "feed to" in values:
-        depth = _below(values["feed to"][0], dialect, place)
+        depth = _below(values["feed to"][0], dialect)
     rapid_to = values.get("rapid to", [None])[0]
     # RAPTO beside FEDTO counts from the point, as FEDTO does
     upwards = dialect == NX or (dialect != CREO and "feed to" in values)
     clearance, start = _heights(clear, rapid_to, upwards)
     if depth is None:
         raise InputError(
-            f"{place}: CYCLE/{name} states no depth; expected DEPTH,… (Creo), FEDTO,… (NX) or the "
+            f"CYCLE/{name} states no depth; expected DEPTH,… (Creo), FEDTO,… (NX) or the "
             "depth as first number"
         )
     if depth < 0 or any(step <= 0 for step in steps):
-        raise InputError(f"{place}: CYCLE/{name} has a negative depth or step; expected lengths")
+        raise InputError(f"CYCLE/{name} has a negative depth or step; expected lengths")
     retract = values.get("retract", [clearance])[0]
     if UP_WORDS & set(words) or ("RETURN" in words and retract == 0):
         retract = math.inf
@@ -129,14 +129,14 @@ def hole_cycle(statement: Statement, unit: float, dialect: str, place: str) -> H
     )
 
 
-def resumed(before: Statement | None, statement: Statement, place: str) -> Statement:
+def resumed(before: Statement | None, statement: Statement) -> Statement:
     """`CYCLE/ON[,FEDTO,…]`: the cycle from before `CYCLE/OFF`, with what is stated anew.
 
     Raises:
         InputError: there was none.
     """
     if before is None:
-        raise InputError(f"{place}: CYCLE/ON without a CYCLE/ before it; expected CYCLE/DRILL,…")
+        raise InputError("CYCLE/ON without a CYCLE/ before it; expected CYCLE/DRILL,…")
     groups = _groups(before.arguments)
     anew = _groups(statement.arguments[1:])
     feeds = FEED_WORDS & {group[0].upper() for group in anew}
@@ -162,7 +162,7 @@ def _groups(arguments: tuple[str, ...]) -> list[list[str]]:
     return groups
 
 
-def _kind(words: list[str], place: str) -> tuple[str, str]:
+def _kind(words: list[str]) -> tuple[str, str]:
     found = [word for word in words if word in KINDS]
     refused = [word for word in words if word in REFUSED]
     if words[:2] == ["BORE", "BACK"]:
@@ -171,7 +171,7 @@ def _kind(words: list[str], place: str) -> tuple[str, str]:
     if refused or not found:
         shown = (refused or words or ["nothing"])[0]
         raise InputError(
-            f"{place}: CYCLE/{shown} is not read; expected one of {', '.join(KINDS)}, or points"
+            f"CYCLE/{shown} is not read; expected one of {', '.join(KINDS)}, or points"
         )
     # NX: DRILL,DEEP and DRILL,BRKCHP: the later word says how
     special = [word for word in found if KINDS[word] != "drill"]
@@ -180,7 +180,7 @@ def _kind(words: list[str], place: str) -> tuple[str, str]:
 
 
 def _values(
-    statement: Statement, feed_first: bool, place: str
+    statement: Statement, feed_first: bool
 ) -> tuple[dict[str, list[float]], list[float], float | None, bool]:
     """Numbers by their word, bare numbers, the feed beside its unit, and whether the unit stands
     between two bare numbers, so that either may be the feed."""
@@ -194,7 +194,7 @@ def _values(
         zip(statement.arguments, followings, strict=True)
     ):
         if is_number(argument):
-            value = number(argument, f"{place}, CYCLE")
+            value = number(argument, "CYCLE")
             if last in LENGTH_WORDS:
                 values[LENGTH_WORDS[last]].append(value)
             elif last in CYCLE_FEED_WORDS and feed is None:
@@ -221,11 +221,11 @@ def _values(
         if last in KINDS and (position == 0 or not (last in OTHER_WORDS and is_number(following))):
             last = ""
     if feed is not None and feed <= 0:
-        raise InputError(f"{place}: CYCLE/ has the feed {feed}, expected a positive one")
+        raise InputError(f"CYCLE/ has the feed {feed}, expected a positive one")
     return values, bare, feed, between
 
 
-def _below(feed_to: float, dialect: str, place: str) -> float:
+def _below(feed_to: float, dialect: str) -> float:
     """The depth of `FEDTO`: NX counts it upwards, others write either sign.
 
     Raises:
@@ -233,7 +233,7 @@ def _below(feed_to: float, dialect: str, place: str) -> float:
     """
     if dialect == NX and feed_to > 0:
         raise InputError(
-            f"{place}: CYCLE/ with FEDTO,{feed_to:g}: NX counts it upwards from the point, so that "
+            f"CYCLE/ with FEDTO,{feed_to:g}: NX counts it upwards from the point, so that "
             "the bottom would be above it; expected a negative one"
         )
     return abs(feed_to)
@@ -260,7 +260,7 @@ def _feed_before(
 
 
 def _bare(
-    bare: list[float], values: dict[str, list[float]], place: str
+    bare: list[float], values: dict[str, list[float]]
 ) -> tuple[float | None, float | None, list[float]]:
     """Depth, clearance and steps from numbers with and without a word."""
     depth = values.get("depth", [None])[0]
@@ -273,7 +273,7 @@ def _bare(
         clear = rest.pop(0)
     if rest or len(values.get("depth", [])) > 1:
         raise InputError(
-            f"{place}: CYCLE/ has numbers whose meaning is not known: {rest or values['depth']}; "
+            f"CYCLE/ has numbers whose meaning is not known: {rest or values['depth']}; "
             "expected words before them (DEPTH, STEP, CLEAR, RETURN, FEDTO, RAPTO, RTRCTO)"
         )
     return depth, clear, steps

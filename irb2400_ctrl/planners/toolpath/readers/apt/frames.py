@@ -15,37 +15,23 @@ from irb2400_ctrl.errors import InputError
 ORTHOGONAL = 1e-3
 
 
-def of_axes(values: list[float], unit: float, place: str) -> Array:
-    """NX: origin, x axis, y axis (9 numbers); z completes them.
-
-    Args:
-        values: the 9 numbers.
-        unit: of their lengths [m].
-        place: file and line, for messages.
-    """
+def of_axes(values: list[float], unit: float) -> Array:
+    """NX: origin, x axis, y axis (9 numbers, lengths in `unit` [m]); z completes them."""
     if len(values) != 9:
-        raise InputError(
-            f"{place}: MSYS/ has {len(values)} numbers, expected 9 (origin, x axis, y axis)"
-        )
+        raise InputError(f"MSYS/ has {len(values)} numbers, expected 9 (origin, x axis, y axis)")
     p, x, y = np.array(values).reshape(3, 3)
-    return _pose(np.stack([x, y, np.cross(x, y)], axis=1), unit * p, place)
+    return _pose(np.stack([x, y, np.cross(x, y)], axis=1), unit * p)
 
 
-def of_rows(values: list[float], unit: float, place: str) -> Array:
-    """Three rows of a rotation and a translation (12 numbers): Creo, CATIA, TRACUT.
-
-    Args:
-        values: the 12 numbers.
-        unit: of their lengths [m].
-        place: file and line, for messages.
-    """
+def of_rows(values: list[float], unit: float) -> Array:
+    """Three rows of a rotation and a translation in `unit` [m]: 12 numbers (Creo, CATIA)."""
     if len(values) != 12:
         raise InputError(
-            f"{place}: the frame has {len(values)} numbers, expected 12 (three rows of a rotation "
+            f"the frame has {len(values)} numbers, expected 12 (three rows of a rotation "
             "and a translation)"
         )
     rows = np.array(values).reshape(3, 4)
-    return _pose(rows[:, :3], unit * rows[:, 3], place)
+    return _pose(rows[:, :3], unit * rows[:, 3])
 
 
 def numbers_in(text: str) -> list[float]:
@@ -54,11 +40,11 @@ def numbers_in(text: str) -> list[float]:
     return [float(n.upper().replace("D", "E")) for n in found]
 
 
-def _pose(R: Array, p: Array, place: str) -> Array:
+def _pose(R: Array, p: Array) -> Array:
     """The pose, its rotation made exact."""
     if not are_rotations(R, ORTHOGONAL):
         raise InputError(
-            f"{place}: the axes of the frame are not at right angles, of length one and "
+            f"the axes of the frame are not at right angles, of length one and "
             f"right-handed; found {np.array2string(R, precision=4)}"
         )
     u, _, vt = np.linalg.svd(R)

@@ -77,9 +77,7 @@ class Machine:
         values = self._numbers(statement)
         tool = self._builder.tool
         if statement.words[:1] == ["TURN"]:
-            self._builder.note(
-                "assumed", "TLDATA/TURN: a turning tool; here the part does not turn"
-            )
+            self._builder.assume("TLDATA/TURN: a turning tool; here the part does not turn")
             return
         diameter = unit * values[0] if values and values[0] > 0 else None
         length = unit * values[2] if len(values) > 2 and values[2] > 0 else None
@@ -100,21 +98,17 @@ class Machine:
         if not numbers:
             builder.change_tool(replace(self._described(), number=None))
             return
-        words = statement.words
-        offset = None
-        for word in ("ADJUST", "OSETNO"):
-            if word in words[:-1] and is_number(words[words.index(word) + 1]):
-                offset = int(number(words[words.index(word) + 1], builder.place))
-        if offset is None and len(statement.arguments) == 2 == len(numbers):
-            offset = int(number(numbers[1], builder.place))
-        loaded = int(number(numbers[0], builder.place))
+        stated = _behind("OSETNO", statement) or _behind("ADJUST", statement)
+        if stated is None and len(statement.arguments) == 2 == len(numbers):
+            stated = numbers[1]
+        offset = None if stated is None else int(number(stated, statement.word))
+        loaded = int(number(numbers[0], statement.word))
         known = self._described()
         if known.number not in {None, loaded}:
             known = Tool()
         tool = replace(known, number=loaded, length_offset=offset)
-        if "LENGTH" in words[:-1] and is_number(words[words.index("LENGTH") + 1]):
-            length = number(words[words.index("LENGTH") + 1], builder.place)
-            tool = replace(tool, length=unit * length)
+        if length := _behind("LENGTH", statement):
+            tool = replace(tool, length=unit * number(length, statement.word))
         builder.change_tool(tool)
 
     def _described(self) -> Tool:
@@ -125,12 +119,12 @@ class Machine:
     def _load_word(self, statement: Statement, unit: float) -> None:
         """NX: LOAD/TOOL,number,ADJUST,register."""
         if "TOOL" not in statement.words:
-            self._builder.note("ignored", "LOAD/ of no tool")
+            self._builder.ignore("LOAD/ of no tool")
             return
         self._load(statement, unit)
 
     def _select(self, statement: Statement, unit: float) -> None:
-        self._builder.note("ignored", f"{statement.word}/: the magazine only")
+        self._builder.ignore(f"{statement.word}/: the magazine only")
 
     def _tool_number(self, statement: Statement, unit: float) -> None:
         """CATIA: TOOLNO/number,diameter or TOOLNO/number,MILL,number,…"""
@@ -148,8 +142,8 @@ class Machine:
 
     def _frame(self, statement: Statement, unit: float) -> None:
         builder = self._builder
-        values = statement.numbers(builder.place)
-        builder.set_frame(frames.of_axes(values, unit, builder.place))
+        values = statement.numbers()
+        builder.set_frame(frames.of_axes(values, unit))
 
     def _rows(self, statement: Statement, unit: float) -> None:
         """CSYS/ with three rows of four numbers. The points are those of this frame; where it is
@@ -159,13 +153,12 @@ class Machine:
             InputError: another frame than that of the points before it.
         """
         builder = self._builder
-        X = frames.of_rows(statement.numbers(builder.place), unit, builder.place)
+        X = frames.of_rows(statement.numbers(), unit)
         if self._in_one_frame:
             builder.axis = X[:3, 2]
-            builder.note(
-                "assumed",
+            builder.assume(
                 "CSYS/ turns and the points behind it state its z axis as the tool's: all are in "
-                "one frame",
+                "one frame"
             )
             return
         if self._system is None and not builder.moved:
@@ -173,12 +166,12 @@ class Machine:
         known = np.eye(4) if self._system is None else self._system
         if not np.allclose(X, known):
             raise InputError(
-                f"{builder.place}: CSYS/ moves or turns the points, and whether from or to the "
+                "CSYS/ moves or turns the points, and whether from or to the "
                 "part is not known; expected the same CSYS/ in the whole file (let the CAM system "
                 "write all operations in one frame)"
             )
         if not np.allclose(X, np.eye(4)):
-            builder.note("assumed", "CSYS/: the points are those of this frame, of all operations")
+            builder.assume("CSYS/: the points are those of this frame, of all operations")
         builder.set_frame(np.eye(4))
 
     def _transformation(self, statement: Statement, unit: float) -> None:
@@ -186,16 +179,15 @@ class Machine:
         builder = self._builder
         if any(self._numbers(statement)):
             raise InputError(
-                f"{builder.place}: TRNTYP/{statement.text[:40]} is not read, expected "
-                "TRNTYP/WORLD,0,0,0"
+                f"TRNTYP/{statement.text[:40]} is not read, expected TRNTYP/WORLD,0,0,0"
             )
-        builder.note("ignored", f"TRNTYP/{statement.text}")
+        builder.ignore(f"TRNTYP/{statement.text}")
 
     def _spindle(self, statement: Statement, unit: float) -> None:
         builder = self._builder
-        found = units.spindle(statement, self._turned, builder.tool.diameter, unit, builder.place)
+        found = units.spindle(statement, self._turned, builder.tool.diameter, unit)
         if found is None:
-            builder.note("assumed", "SPINDL/ with a surface speed, but no diameter: speed unknown")
+            builder.assume("SPINDL/ with a surface speed, but no diameter: speed unknown")
             return
         if found.speed > 0:
             self._turned = found
@@ -213,15 +205,11 @@ class Machine:
         builder = self._builder
         values = self._numbers(statement)
         if len(values) != 1 or values[0] < 0:
-            raise InputError(
-                f"{builder.place}: {statement.word}/{statement.text[:40]}, expected one time [s]"
-            )
+            raise InputError(f"{statement.word}/{statement.text[:40]}, expected one time [s]")
         seconds = values[0]
         if "REV" in statement.words:
             if builder.spindle.rpm <= 0:
-                raise InputError(
-                    f"{builder.place}: {statement.word}/ in turns, but the spindle's speed is open"
-                )
+                raise InputError(f"{statement.word}/ in turns, but the spindle's speed is open")
             seconds *= 60 / builder.spindle.rpm
         builder.dwell(seconds)
 
@@ -230,26 +218,24 @@ class Machine:
         words = set(statement.words)
         builder.event("compensation", " ".join(statement.words).lower())
         if not words & {"LEFT", "RIGHT", "ON"}:
-            builder.note("ignored", f"CUTCOM/{' '.join(statement.words)}")
+            builder.ignore(f"CUTCOM/{' '.join(statement.words)}")
             return
         if builder.on_profile:
             raise InputError(
-                f"{builder.place}: CUTCOM/ with OUTPUT_ON_PROFILE or contact contour data: the "
+                "CUTCOM/ with OUTPUT_ON_PROFILE or contact contour data: the "
                 "points lie on the part's edge, a tool's radius beside the path; expected those of "
                 "the tool's centre (Creo: OUTPUT_ON_CENTER, NX: centerline data)"
             )
-        builder.note(
-            "assumed", "CUTCOM/: the points are the tool's centre; nothing is added for its radius"
-        )
+        builder.assume("CUTCOM/: the points are the tool's centre; nothing is added for its radius")
 
     def _origin(self, statement: Statement, unit: float) -> None:
         values = self._numbers(statement)
         if any(values[:3]):
-            self._builder.note(
-                "assumed", "ORIGIN/: the post-processor's zero; the points are not moved by it"
+            self._builder.assume(
+                "ORIGIN/: the post-processor's zero; the points are not moved by it"
             )
         else:
-            self._builder.note("ignored", "ORIGIN/0,0,0")
+            self._builder.ignore("ORIGIN/0,0,0")
 
     def _message(self, statement: Statement, unit: float) -> None:
         name = re.match(r"OPERATION\s+NAME\s*:?\s*(.+)", statement.text, re.IGNORECASE)
@@ -259,5 +245,11 @@ class Machine:
             self._builder.event("message", statement.text)
 
     def _numbers(self, statement: Statement) -> list[float]:
-        place = f"{self._builder.place}, {statement.word}"
-        return [number(a, place) for a in statement.arguments if is_number(a)]
+        return [number(a, statement.word) for a in statement.arguments if is_number(a)]
+
+
+def _behind(word: str, statement: Statement) -> str | None:
+    """The number behind a word, as written; None where there is none."""
+    words = statement.words
+    found = words[words.index(word) + 1] if word in words[:-1] else ""
+    return found if is_number(found) else None

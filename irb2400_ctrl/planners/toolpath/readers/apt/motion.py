@@ -14,6 +14,7 @@ from irb2400_ctrl.planners.toolpath.readers.apt.statements import Statement, is_
 from irb2400_ctrl.planners.toolpath.readers.expansion.drilling import HoleCycle
 from irb2400_ctrl.planners.toolpath.readers.hole_moves import drill
 from irb2400_ctrl.planners.toolpath.readers.program_builder import ProgramBuilder
+from irb2400_ctrl.planners.toolpath.readers.unread_line import WordError
 
 
 class Motion:
@@ -83,7 +84,7 @@ class Motion:
         rapid = self._take_rapid()
         if self._cycle is not None:
             if rapid:
-                builder.note("assumed", "RAPID before a point of a CYCLE/: it is a hole as well")
+                builder.assume("RAPID before a point of a CYCLE/: it is a hole as well")
             drill(builder, self._cycle, position, axis)
         elif self._circles.open:
             self._circles.close(position, axis, rapid)
@@ -99,12 +100,10 @@ class Motion:
         """GODLTA/dx,dy,dz[,i,j,k], or GODLTA/d along the tool axis."""
         self._circles.none_open()
         builder = self._builder
-        values = statement.numbers(builder.place)
+        values = statement.numbers()
         here = self._placement.here()
         if len(values) not in {1, 3, 6}:
-            raise InputError(
-                f"{builder.place}: GODLTA/ has {len(values)} numbers, expected 1, 3 or 6"
-            )
+            raise InputError(f"GODLTA/ has {len(values)} numbers, expected 1, 3 or 6")
         axis = self._placement.axis(values[3:]) if len(values) == 6 else None
         if len(values) == 1:
             way = self._placement.unit * values[0] * builder.axis
@@ -121,19 +120,19 @@ class Motion:
             builder.move(position, axis=axis, rapid=True)
         else:
             builder.leave()
-            builder.note("assumed", "GOHOME/ without a place: the machine's home; the robot stays")
+            builder.assume("GOHOME/ without a place: the machine's home; the robot stays")
 
     def _contour(self, statement: Statement) -> None:
         if any("/" in argument for argument in statement.arguments):
             self._circles.follow(statement, self._take_rapid())
         elif statement.arguments or statement.word == "GOFWD":
             raise InputError(
-                f"{self._builder.place}: {statement.word}/{statement.text[:40]} follows a curve by "
+                f"{statement.word}/{statement.text[:40]} follows a curve by "
                 "its name; expected (CIRCLE/…),ON,(LINE/…), or points"
             )
         else:
             # TLON alone: the tool will be on the line, not beside it
-            self._builder.note("ignored", "TLON")
+            self._builder.ignore("TLON")
 
     def _set_cycle(self, statement: Statement) -> None:
         self._circles.none_open()
@@ -143,16 +142,16 @@ class Motion:
             self._cycle = None
             return
         if word == "ON":
-            statement = resumed(self._last_cycle, statement, builder.place)
-        cycle = hole_cycle(statement, self._placement.unit, self._dialect, builder.place)
+            statement = resumed(self._last_cycle, statement)
+        cycle = hole_cycle(statement, self._placement.unit, self._dialect)
         self._cycle = cycle
         self._last_cycle = statement
         if cycle.assumed:
-            builder.note("assumed", f"CYCLE/{cycle.name}: {cycle.assumed}")
+            builder.assume(f"CYCLE/{cycle.name}: {cycle.assumed}")
         if cycle.clearance == 0:
-            builder.note("assumed", "CYCLE/ without a clearance: rapid down to the stated point")
+            builder.assume("CYCLE/ without a clearance: rapid down to the stated point")
         if cycle.name in {"DEEP", "DEEPHL", "PECK", "BRKCHP"} and not cycle.steps:
-            builder.note("assumed", f"CYCLE/{cycle.name} without a step: one stroke")
+            builder.assume(f"CYCLE/{cycle.name} without a step: one stroke")
 
     def _set_rapid(self, statement: Statement) -> None:
         self._rapid = True
@@ -168,24 +167,22 @@ class Motion:
         builder = self._builder
         words = statement.arguments
         if "INVERS" in words and {"AUTO", "ON", "OFF"} & set(words) and len(words) == 2:
-            builder.note("ignored", "FEDRAT/INVERS: how the machine's code is to state the feeds")
+            builder.ignore("FEDRAT/INVERS: how the machine's code is to state the feeds")
             return
         self._rapid = False
-        builder.feed = units.feed(statement.arguments, builder.place, self._placement.unit)
+        builder.feed = units.feed(statement.arguments, self._placement.unit)
 
     def _mode(self, statement: Statement) -> None:
         """How the post-processor writes its code; points are absolute in both (Creo, ISO 4343)."""
         if {"INCR", "INC"} & set(statement.words):
-            self._builder.note(
-                "assumed",
-                "MODE/INCR: the code of the machine is to be incremental; the points are absolute",
+            self._builder.assume(
+                "MODE/INCR: the code of the machine is to be incremental; the points are absolute"
             )
         else:
-            self._builder.note("ignored", f"MODE/{' '.join(statement.words)}")
+            self._builder.ignore(f"MODE/{' '.join(statement.words)}")
 
     def _tool_axis(self, statement: Statement) -> None:
-        place = f"{self._builder.place}, TLAXIS"
-        values = [number(a, place) for a in statement.arguments if is_number(a)]
+        values = [number(a, statement.word) for a in statement.arguments if is_number(a)]
         if len(values) != 3:
-            raise InputError(f"{place}: found {len(values)} numbers, expected i,j,k")
+            raise WordError(statement.word, f"found {len(values)} numbers, expected i,j,k")
         self._builder.axis = self._placement.axis(values)

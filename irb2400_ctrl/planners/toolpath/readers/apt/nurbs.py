@@ -38,16 +38,16 @@ class Nurbs:
     def knots(self, statement: Statement) -> None:
         """KNOT/u,u,…"""
         if self._knots is None:
-            raise InputError(f"{self._builder.place}: KNOT/ without NURBS/ before it")
-        self._knots += statement.numbers(self._builder.place)
+            raise InputError("KNOT/ without NURBS/ before it")
+        self._knots += statement.numbers()
 
     def control(self, statement: Statement) -> None:
         """CNTRL/x,y,z[,i,j,k]"""
         if self._knots is None:
-            raise InputError(f"{self._builder.place}: CNTRL/ without NURBS/ before it")
-        values = statement.numbers(self._builder.place)
+            raise InputError("CNTRL/ without NURBS/ before it")
+        values = statement.numbers()
         if len(values) not in {3, 6} or (self._control and len(values) != len(self._control[0])):
-            raise InputError(f"{self._builder.place}: CNTRL/ expects x,y,z or x,y,z,i,j,k")
+            raise InputError("CNTRL/ expects x,y,z or x,y,z,i,j,k")
         self._control.append(values)
 
     def end(self, rapid: bool) -> None:
@@ -62,15 +62,15 @@ class Nurbs:
             axis = self._placement.direction(row[3:]) if len(row) == 6 else np.empty(0)
             rows.append(np.concatenate([self._placement.point(row[:3]), axis]))
         if not rows or not len(inner):
-            raise InputError(f"{builder.place}: NURBS/ without KNOT/ and CNTRL/")
+            raise InputError("NURBS/ without KNOT/ and CNTRL/")
         control = np.array([first[: len(rows[0])], *rows])
-        knots, control = splines.clamped_cubic(inner, control, builder.place)
+        knots, control = splines.clamped_cubic(inner, control)
         found = splines.points(knots, control, builder.chord)
         axes = None
         if found.shape[1] == 6:
             length = np.linalg.norm(found[:, 3:], axis=1, keepdims=True)
             if (length < 1e-6).any():
-                raise InputError(f"{builder.place}: the tool axis turns over within one spline")
+                raise InputError("the tool axis turns over within one spline")
             axes = found[:, 3:] / length
         builder.curve(found[:, :3], axes, rapid=rapid)
 
@@ -82,8 +82,6 @@ class Nurbs:
             self._points_before = builder.points
         elif word == "OFF":
             if self._points_before in {-1, builder.points}:
-                raise InputError(
-                    f"{builder.place}: MOVNRB/ without points after MOVNRB/NEXT is not read"
-                )
+                raise InputError("MOVNRB/ without points after MOVNRB/NEXT is not read")
             self._points_before = -1
-        builder.note("assumed", "MOVNRB/: its points (after NEXT) are taken, not the spline")
+        builder.assume("MOVNRB/: its points (after NEXT) are taken, not the spline")

@@ -11,6 +11,7 @@ from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.planners.toolpath.readers.apt import frames
 from irb2400_ctrl.planners.toolpath.readers.apt.statements import Statement, number
 from irb2400_ctrl.planners.toolpath.readers.program_builder import ProgramBuilder
+from irb2400_ctrl.planners.toolpath.readers.unread_line import WordError
 
 AXIS_ERROR = 0.02
 
@@ -42,28 +43,22 @@ class Placement:
         """A tool axis; InputError where its length is not one."""
         length = math.hypot(*values)
         if abs(length - 1) > AXIS_ERROR:
-            raise InputError(
-                f"{self._builder.place}: the tool axis {values} has length {length:.4g}, expected 1"
-            )
+            raise InputError(f"the tool axis {values} has length {length:.4g}, expected 1")
         return self.direction([value / length for value in values])
 
     def point_and_axis(self, statement: Statement) -> tuple[Array, Array | None]:
         """x,y,z or x,y,z,i,j,k of a statement."""
-        place = self._builder.place
         word = statement.word or "GOTO"
-        values = [number(a, f"{place}, {word}") for a in statement.arguments]
+        values = [number(a, word) for a in statement.arguments]
         if len(values) not in {3, 6}:
-            raise InputError(
-                f"{place}: {word}/ has {len(values)} numbers, expected x,y,z or x,y,z,i,j,k"
-            )
+            raise InputError(f"{word}/ has {len(values)} numbers, expected x,y,z or x,y,z,i,j,k")
         return self.point(values[:3]), self.axis(values[3:]) if len(values) == 6 else None
 
     def here(self) -> Array:
         """Where the tool is; InputError where that is not stated yet."""
         if self._builder.here is None:
             raise InputError(
-                f"{self._builder.place}: a way from a place that is not known; expected FROM/ or "
-                "GOTO/ before it"
+                "a way from a place that is not known; expected FROM/ or GOTO/ before it"
             )
         return self._builder.here
 
@@ -73,10 +68,12 @@ class Placement:
             self.shift = np.eye(4)
             return
         builder = self._builder
-        place = f"{builder.place}, TRACUT"
-        values = [number(a, place) for a in statement.arguments if a.upper() != "LAST"]
-        self.shift = frames.of_rows(values, self.unit, place)
-        builder.note("assumed", "TRACUT/: the points after it are moved by its matrix")
+        values = [number(a, statement.word) for a in statement.arguments if a.upper() != "LAST"]
+        try:
+            self.shift = frames.of_rows(values, self.unit)
+        except InputError as error:
+            raise WordError(statement.word, str(error)) from error
+        builder.assume("TRACUT/: the points after it are moved by its matrix")
 
     def translate(self, statement: Statement) -> None:
         """TRANS/x,y,z, TRANS/NOMORE."""
@@ -84,9 +81,9 @@ class Placement:
         if set(statement.words) & {"NOMORE", "OFF"}:
             self.shift = np.eye(4)
             return
-        values = statement.numbers(builder.place)
+        values = statement.numbers()
         if len(values) != 3:
-            raise InputError(f"{builder.place}: TRANS/ has {len(values)} numbers, expected x,y,z")
+            raise InputError(f"TRANS/ has {len(values)} numbers, expected x,y,z")
         self.shift = self.shift.copy()
         self.shift[:3, 3] = self.unit * np.array(values)
-        builder.note("assumed", "TRANS/: the points after it are moved by it")
+        builder.assume("TRANS/: the points after it are moved by it")

@@ -18,18 +18,18 @@ from irb2400_ctrl.planners.toolpath.readers.apt.vocabulary import (
     STEERED,
     TURNING,
 )
+from irb2400_ctrl.planners.toolpath.readers.feed import LENGTHS
 from irb2400_ctrl.planners.toolpath.readers.program_builder import ProgramBuilder
 from irb2400_ctrl.planners.toolpath.readers.unread_line import UnreadLineError
 
 
 def read_apt(
-    text: str, name: str, dialect: str, builder: ProgramBuilder, units: str | None = None
+    text: str, dialect: str, builder: ProgramBuilder, units: str | None = None
 ) -> CamProgram:
     """All operations of an APT-like file.
 
     Args:
         text: of the file.
-        name: of the file, for messages.
         builder: that takes the moves.
         dialect: "NX CLSF", "Creo NCL", "CATIA aptsource" or "APT".
         units: unit of length, against what the file says.
@@ -38,28 +38,22 @@ def read_apt(
         InputError: a statement that cannot be read, or that may move the tool and is not known; the
             message has its line.
     """
-    program = list(statements(text, name))
-    unit_of = _Units([s for s in program if isinstance(s, Statement)], name, units, builder)
+    program = list(statements(text))
+    unit_of = _Units([s for s in program if isinstance(s, Statement)], units, builder)
     motion = Motion(builder, dialect)
     machine = Machine(builder, in_one_frame=in_one_frame(program))
     comments = Comments(builder)
     for statement in program:
-        builder.line = statement.line
-        if isinstance(statement, UnreadLineError):
-            builder.failed(statement)
-            continue
-        unit = unit_of.at(statement.line)
-        try:
+        with builder.reading(statement.line):
+            if isinstance(statement, UnreadLineError):
+                raise statement
+            unit = unit_of.at(statement.line)
             if statement.word == COMMENT:
                 comments.read(statement.text, unit)
             elif not (motion.read(statement, unit) or machine.read(statement, unit)):
                 _rest(builder, statement)
-        except InputError as error:
-            builder.failed(error)
-    try:
+    with builder.reading(builder.line):
         motion.end()
-    except InputError as error:
-        builder.failed(error)
     _behind_the_end(program, builder)
     return builder.finish(dialect, unit_of.name, unit_of.stated)
 
@@ -68,27 +62,26 @@ def _rest(builder: ProgramBuilder, statement: Statement) -> None:
     """Words that move nothing are noted; all others refused."""
     word = statement.word
     if word in TURNING and _turns_nothing(statement):
-        builder.note("ignored", f"{word}/ by zero")
+        builder.ignore(f"{word}/ by zero")
     elif word in MOVING or (word in STEERED and statement.arguments):
         raise InputError(
-            f"{builder.place}: {word}/ moves the tool or the part and is not read; expected "
+            f"{word}/ moves the tool or the part and is not read; expected "
             "GOTO/, GODLTA/, CIRCLE/ or MOVARC/ (let the CAM system write points)"
         )
     elif word in CALLS:
         raise InputError(
-            f"{builder.place}: {word}/{statement.text[:40]} calls a program that is kept in the "
+            f"{word}/{statement.text[:40]} calls a program that is kept in the "
             "control, and what it moves is not known here; delete the line if it moves nothing, "
             "else let the CAM system write its points"
         )
     elif word in MACHINE_CODE:
-        builder.note("assumed", f"{word}/{statement.text[:60]}: machine code, not carried out")
+        builder.assume(f"{word}/{statement.text[:60]}: machine code, not carried out")
     elif word in IGNORED:
-        builder.note("ignored", f"{word}/")
+        builder.ignore(f"{word}/")
     else:
         shown = f"{word}/{statement.text[:40]}" if statement.text else word
         raise InputError(
-            f"{builder.place}: unknown statement {word!r} ({shown}); expected APT/CLDATA such as "
-            "GOTO/x,y,z,i,j,k"
+            f"unknown statement {word!r} ({shown}); expected APT/CLDATA such as GOTO/x,y,z,i,j,k"
         )
 
 
@@ -99,9 +92,8 @@ def _behind_the_end(program: list[Statement | UnreadLineError], builder: Program
     places = [s.line for s in read if s.word in {"GOTO", "GODLTA"}]
     if ends and places and places[-1] > ends[0]:
         builder.line = ends[0]
-        builder.note(
-            "assumed",
-            "FINI/ ends the program, and places follow: carried out as well, one after another",
+        builder.assume(
+            "FINI/ ends the program, and places follow: carried out as well, one after another"
         )
 
 
@@ -114,9 +106,9 @@ class _Units:
     """The unit of length at each line: one `UNITS/` anywhere holds for the whole file."""
 
     def __init__(
-        self, program: list[Statement], name: str, asked: str | None, builder: ProgramBuilder
+        self, program: list[Statement], asked: str | None, builder: ProgramBuilder
     ) -> None:
-        stated = units.stated_units(program, name)
+        stated = units.stated_units(program, builder.name)
         self._steps: list[tuple[int, float]] = []
         self.stated = bool(stated) or asked is not None
         if asked is not None:
@@ -125,12 +117,12 @@ class _Units:
             self.name = units.units_of_feeds(program) or "mm"
             why = "as its feeds" if units.units_of_feeds(program) else "the default"
             builder.line = 1
-            builder.note("assumed", f"no UNITS/ in the file: lengths in {self.name}, {why}")
+            builder.assume(f"no UNITS/ in the file: lengths in {self.name}, {why}")
         else:
             self.name = stated[0][1]
             if any(unit != self.name for _, unit in stated):
-                self._steps = [(line, units.length_unit(unit)) for line, unit in stated[1:]]
-        self._first = units.length_unit(self.name)
+                self._steps = [(line, LENGTHS[unit]) for line, unit in stated[1:]]
+        self._first = LENGTHS[self.name]
 
     def at(self, line: int) -> float:
         """The unit [m]."""

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from irb2400_ctrl.errors import InputError
-from irb2400_ctrl.planners.toolpath.readers.unread_line import UnreadLineError
+from irb2400_ctrl.planners.toolpath.readers.unread_line import UnreadLineError, WordError
 
 COMMENT = "$$"
 NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([EeDd][-+]?\d+)?$")
@@ -40,19 +40,19 @@ class Statement:
         """The arguments in capital letters."""
         return [argument.upper() for argument in self.arguments]
 
-    def numbers(self, place: str) -> list[float]:
+    def numbers(self) -> list[float]:
         """All arguments as numbers; InputError names the one that is none."""
-        return [number(argument, f"{place}, {self.word}") for argument in self.arguments]
+        return [number(argument, self.word) for argument in self.arguments]
 
 
-def number(text: str, place: str) -> float:
-    """A finite number; Fortran's D exponents too."""
+def number(text: str, word: str) -> float:
+    """A finite number behind a word; Fortran's D exponents too."""
     try:
         value = float(text.upper().replace("D", "E"))
     except ValueError:
-        raise InputError(f"{place}: found {text.upper()!r}, expected a number") from None
+        raise WordError(word, f"found {text.upper()!r}, expected a number") from None
     if not math.isfinite(value):
-        raise InputError(f"{place}: found {text.upper()}, expected a finite number")
+        raise WordError(word, f"found {text.upper()}, expected a finite number")
     return value
 
 
@@ -61,7 +61,7 @@ def is_number(text: str) -> bool:
     return NUMBER.match(text) is not None
 
 
-def statements(text: str, name: str) -> Iterator[Statement | UnreadLineError]:
+def statements(text: str) -> Iterator[Statement | UnreadLineError]:
     """All statements and comments; `$` at the end of a line continues it, in Creo's comments too.
 
     A line without a word and a statement that the file cuts off come as their errors.
@@ -73,7 +73,7 @@ def statements(text: str, name: str) -> Iterator[Statement | UnreadLineError]:
         if pending and not part:
             continue
         if pending.upper().startswith(TEXT_WORDS) and OWN_LINE.match(part):
-            yield _statement(start, f"{pending.strip()}$", name)
+            yield _statement(start, f"{pending.strip()}$")
             pending = ""
         start = start if pending else line
         commented = (pending or part).startswith(COMMENT)
@@ -92,15 +92,14 @@ def statements(text: str, name: str) -> Iterator[Statement | UnreadLineError]:
                 yield Statement(start, "RAPID", (), "")
                 joined = joined[rapid.end() :]
             try:
-                yield _statement(start, joined, name)
+                yield _statement(start, joined)
             except InputError as error:
                 yield UnreadLineError(start, str(error))
     if pending:
-        text = f"{name}, line {start}: the statement is continued by $ but the file ends"
-        yield UnreadLineError(start, text)
+        yield UnreadLineError(start, "the statement is continued by $ but the file ends")
 
 
-def _statement(line: int, text: str, name: str) -> Statement:
+def _statement(line: int, text: str) -> Statement:
     if text.startswith(COMMENT):
         return Statement(line, COMMENT, (), text[len(COMMENT) :])
     upper = text.upper()
@@ -113,9 +112,7 @@ def _statement(line: int, text: str, name: str) -> Statement:
     if is_number(first) and not slash:
         return Statement(line, "", tuple(split_arguments(text)), text)
     if re.match(r"[A-Za-z]", first) is None:
-        raise InputError(
-            f"{name}, line {line}: found {text[:40]!r}, expected an APT statement such as GOTO/"
-        )
+        raise InputError(f"found {text[:40]!r}, expected an APT statement such as GOTO/")
     word = re.sub(r"\s+", " ", first).upper()
     arguments = tuple(part for part in more if part) + tuple(split_arguments(tail))
     return Statement(line, word, arguments, tail.strip())

@@ -18,9 +18,6 @@ def in_one_frame(statements: Iterable[object]) -> bool:
     """Whether the points are in one frame and `CSYS/` only says how the part stands: behind each
     `CSYS/` that turns, every `GOTO/` has i,j,k, and they are the z axis of `CSYS/` seen from that
     frame (in its own frame they would be 0,0,1). All have the same zero.
-
-    Args:
-        statements: of the file.
     """
     try:
         return _stated([s for s in statements if isinstance(s, Statement)])
@@ -33,13 +30,12 @@ def _stated(statements: list[Statement]) -> bool:
     X = np.eye(4)
     systems = []
     for statement in statements:
-        place = f"line {statement.line}"
         if statement.word == "CSYS":
-            X = frames.of_rows(statement.numbers(place), 1.0, place)
+            X = frames.of_rows(statement.numbers(), 1.0)
             systems.append(X)
         turned = not np.allclose(X[:3, :3], np.eye(3), atol=SAME)
         if statement.word == "GOTO" and turned:
-            values = statement.numbers(place)
+            values = statement.numbers()
             if len(values) != 6 or not np.allclose(values[3:], X[:3, 2], atol=SAME):
                 return False
     if len(systems) < 2:

@@ -7,7 +7,7 @@ import math
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.planners.toolpath.cam_program import Spindle
 from irb2400_ctrl.planners.toolpath.readers.apt.statements import Statement, is_number, number
-from irb2400_ctrl.planners.toolpath.readers.feed import FOOT, INCH, LENGTHS, MM, Feed
+from irb2400_ctrl.planners.toolpath.readers.feed import FOOT, INCH, MM, Feed
 
 UNIT_WORDS = {
     "MM": "mm",
@@ -63,13 +63,8 @@ def units_of_feeds(program: list[Statement]) -> str | None:
     return None
 
 
-def feed(arguments: tuple[str, ...], place: str, unit: float) -> Feed:
+def feed(arguments: tuple[str, ...], unit: float) -> Feed:
     """The feed of `FEDRAT/`; without a word of its own it is per minute in the file's unit [m].
-
-    Args:
-        arguments: of the statement.
-        place: file and line, for messages.
-        unit: of length of the file [m].
 
     Raises:
         InputError: not exactly one positive number.
@@ -80,12 +75,11 @@ def feed(arguments: tuple[str, ...], place: str, unit: float) -> Feed:
     if len(numbers) != 1 or wrong:
         found = f"{len(numbers)} numbers" if len(numbers) != 1 else f"the word {wrong[0]}"
         raise InputError(
-            f"{place}: FEDRAT/ has {found}, expected one number and its unit, for example "
-            "FEDRAT/1200.0,MMPM"
+            f"FEDRAT/ has {found}, expected one number and its unit, for example FEDRAT/1200.0,MMPM"
         )
-    value = number(numbers[0], f"{place}, FEDRAT")
+    value = number(numbers[0], "FEDRAT")
     if value <= 0:
-        raise InputError(f"{place}: FEDRAT/{value}, expected a positive feed")
+        raise InputError(f"FEDRAT/{value}, expected a positive feed")
     return feed_of(value, words, unit)
 
 
@@ -114,7 +108,7 @@ def feed_of(value: float, words: set[str], unit: float) -> Feed:
 
 
 def spindle(
-    statement: Statement, before: Spindle, diameter: float | None, unit: float, place: str
+    statement: Statement, before: Spindle, diameter: float | None, unit: float
 ) -> Spindle | None:
     """`SPINDL/`: the speed, from a surface speed too; None where that needs a diameter.
 
@@ -125,7 +119,6 @@ def spindle(
         before: as it turned last.
         diameter: of the tool [m].
         unit: of length of the file [m].
-        place: file and line, for messages.
     """
     words = set(statement.words)
     if words & {"OFF", "STOP", "LOCK", "ORIENT"}:
@@ -135,7 +128,7 @@ def spindle(
         clockwise = True
     elif words & {"CCLW", "CCW"}:
         clockwise = False
-    numbers = _speeds(statement, place)
+    numbers = _speeds(statement)
     if not numbers:
         return Spindle(before.speed, clockwise)
     if words & {"SFM", "SMM"}:
@@ -146,22 +139,15 @@ def spindle(
     return Spindle(2 * math.pi * numbers[0] / 60, clockwise)
 
 
-def _speeds(statement: Statement, place: str) -> list[float]:
+def _speeds(statement: Statement) -> list[float]:
     """Numbers that are not those of RANGE or MAXRPM."""
     kept = []
     skip = False
     for argument in statement.arguments:
         if is_number(argument) and not skip:
-            value = number(argument, f"{place}, SPINDL")
+            value = number(argument, "SPINDL")
             if value < 0:
-                raise InputError(f"{place}: SPINDL/{value}, expected a speed of at least zero")
+                raise InputError(f"SPINDL/{value}, expected a speed of at least zero")
             kept.append(value)
         skip = argument.upper() in {"RANGE", "MAXRPM", "GEAR"}
     return kept
-
-
-def length_unit(name: str) -> float:
-    """The named unit [m]; InputError lists them."""
-    if name not in LENGTHS:
-        raise InputError(f"units: found {name!r}, expected one of {', '.join(LENGTHS)}")
-    return LENGTHS[name]

@@ -54,38 +54,36 @@ def miss(arc: Arc, start: Array, end: Array) -> float:
     return max(radii) - min(radii)
 
 
-def checked_miss(arc: Arc, start: Array, end: Array, place: str) -> float:
+def checked_miss(arc: Arc, start: Array, end: Array) -> float:
     """The miss [m]; InputError where rounding does not explain it.
 
     Args:
         arc: its centre and normal.
         start: [m], shape (3,).
         end: [m], shape (3,).
-        place: file and line, for messages.
     """
     if not np.linalg.norm(arc.normal) > 1e-9:
-        raise InputError(f"{place}: the arc's axis has no direction")
+        raise InputError("the arc's axis has no direction")
     off = miss(arc, start, end)
     allowed = largest_miss(arc, start)
     if off > allowed:
         raise InputError(
-            f"{place}: start and end are not on one circle: the radii differ by {1e3 * off:.4g} "
+            f"start and end are not on one circle: the radii differ by {1e3 * off:.4g} "
             f"mm, expected at most {1e3 * allowed:.3g}; check the centre (G-code: I J K from the "
             "start, or absolute with G90.1)"
         )
     if not np.linalg.norm(_split(arc, start)[0]) > SAME_PLACE:
-        raise InputError(f"{place}: the arc begins in its own centre")
+        raise InputError("the arc begins in its own centre")
     return off
 
 
-def blended_axes(start: Array, end: Array | None, k: int, place: str) -> Array:
+def blended_axes(start: Array, end: Array | None, k: int) -> Array:
     """Tool axes from `start` to `end` over k points, shape (k, 3).
 
     Args:
         start: unit vector, shape (3,).
         end: unit vector, shape (3,); None: as the start.
         k: number of points.
-        place: file and line, for messages.
     """
     if end is None or np.allclose(end, start, atol=1e-9):
         return np.tile(start, (k, 1))
@@ -93,7 +91,7 @@ def blended_axes(start: Array, end: Array | None, k: int, place: str) -> Array:
     axes = (1 - t) * start + t * end
     length = np.linalg.norm(axes, axis=1, keepdims=True)
     if (length < 1e-6).any():
-        raise InputError(f"{place}: the tool axis turns over within one arc")
+        raise InputError("the tool axis turns over within one arc")
     return np.asarray(axes / length)
 
 

@@ -88,19 +88,18 @@ def approach(cycle: HoleCycle, here: Array | None, point: Array, axis: Array) ->
     yield HoleMove(above, True)
 
 
-def hole(cycle: HoleCycle, point: Array, axis: Array, place: str) -> Iterator[HoleMove]:
+def hole(cycle: HoleCycle, point: Array, axis: Array) -> Iterator[HoleMove]:
     """From the clearance to the bottom and out.
 
     Args:
         cycle: of the hole.
         point: of the hole [m], shape (3,).
         axis: out of the hole, shape (3,).
-        place: file and line, for messages.
     """
     above = point + cycle.clearance * axis
     bottom = point - cycle.depth * axis
     reached = cycle.clearance
-    for level in _levels(cycle, place)[:-1]:
+    for level in _levels(cycle)[:-1]:
         yield HoleMove(point + level * axis, False)
         if cycle.kind == "peck":
             yield HoleMove(above, True)
@@ -117,7 +116,7 @@ def hole(cycle: HoleCycle, point: Array, axis: Array, place: str) -> Iterator[Ho
         yield HoleMove(point + cycle.retract * axis, True)
 
 
-def _levels(cycle: HoleCycle, place: str) -> list[float]:
+def _levels(cycle: HoleCycle) -> list[float]:
     """Heights at which a step ends, falling, the bottom last [m]."""
     if cycle.kind not in {"peck", "chip"} or not cycle.steps:
         return [-cycle.depth]
@@ -127,7 +126,7 @@ def _levels(cycle: HoleCycle, place: str) -> list[float]:
         step = cycle.steps[min(len(levels), len(cycle.steps) - 1)]
         if step <= 0 or len(levels) >= MOST_STEPS:
             raise InputError(
-                f"{place}: {cycle.name}: a step of {1e3 * step:.3g} mm makes more than "
+                f"{cycle.name}: a step of {1e3 * step:.3g} mm makes more than "
                 f"{MOST_STEPS} steps in {1e3 * cycle.depth:.3g} mm; expected a larger step"
             )
         level = max(level - step, -cycle.depth)

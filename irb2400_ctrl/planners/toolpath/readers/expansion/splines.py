@@ -13,7 +13,7 @@ CUBIC = 3
 ROUNDS = 20
 
 
-def clamped_cubic(inner: Array, control: Array, place: str) -> tuple[Array, Array]:
+def clamped_cubic(inner: Array, control: Array) -> tuple[Array, Array]:
     """Knot vector and control points of a cubic that starts and ends in its outer control points.
 
     Args:
@@ -26,12 +26,12 @@ def clamped_cubic(inner: Array, control: Array, place: str) -> tuple[Array, Arra
     wanted = len(control) - CUBIC
     if len(control) < CUBIC + 1 or len(inner) != wanted:
         raise InputError(
-            f"{place}: found {len(inner)} knots and {len(control) - 1} control points, expected "
+            f"found {len(inner)} knots and {len(control) - 1} control points, expected "
             "two control points more than knots (cubic)"
         )
     knots = np.concatenate([np.zeros(CUBIC + 1), inner, np.full(CUBIC, inner[-1])])
     if (np.diff(knots) < 0).any() or inner[-1] <= 0:
-        raise InputError(f"{place}: the knots do not rise from zero; found {inner[:5]} …")
+        raise InputError(f"the knots do not rise from zero; found {inner[:5]} …")
     return knots, control
 
 

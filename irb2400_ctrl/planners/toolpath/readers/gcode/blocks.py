@@ -13,7 +13,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 from irb2400_ctrl.errors import InputError
-from irb2400_ctrl.planners.toolpath.readers.gcode.flow import ERROR, Line
+from irb2400_ctrl.planners.toolpath.readers.gcode.flow import Line
 from irb2400_ctrl.planners.toolpath.readers.gcode.hole_calls import HoleCall, taken_out
 from irb2400_ctrl.planners.toolpath.readers.gcode.macros.variables import (
     ENTER,
@@ -143,7 +143,7 @@ class Block:
         """The words other than G, M and N by their letter."""
         return {key: value for key, value in self.words if key not in "GMN"}
 
-    def checked(self, place: str) -> dict[str, float]:
+    def checked(self) -> dict[str, float]:
         """The same; `place` is for messages.
 
         Raises:
@@ -161,12 +161,12 @@ class Block:
                 if unknown[0] == "E"
                 else ""
             )
-            raise InputError(f"{place}: found the word {unknown[0]}, which is not read{why}")
+            raise InputError(f"found the word {unknown[0]}, which is not read{why}")
         for letter, value in self.words:
             once = STATED_ONCE - {"T"} if self.ready is not None else STATED_ONCE
             if letter in once and value != values[letter]:
                 raise InputError(
-                    f"{place}: found {letter}{value:g} and {letter}{values[letter]:g} in one "
+                    f"found {letter}{value:g} and {letter}{values[letter]:g} in one "
                     "block, expected one of them (two lines run together?)"
                 )
         codes = set(self.codes("G"))
@@ -174,36 +174,31 @@ class Block:
             if len(codes & group) > 1:
                 first, second = sorted(codes & group)[:2]
                 raise InputError(
-                    f"{place}: found G{first:g} and G{second:g} in one block, which contradict "
+                    f"found G{first:g} and G{second:g} in one block, which contradict "
                     "each other; expected one of them"
                 )
         if codes & {70, 71} and not codes & {0, 1, 2, 3} and set("IJKLPQRU") & set(values):
             raise InputError(
-                f"{place}: G70 and G71 with such words are cycles (Haas, Fanuc), which are not "
+                "G70 and G71 with such words are cycles (Haas, Fanuc), which are not "
                 "read; alone they are inches and millimetres"
             )
         return values
 
 
 def blocks(
-    lines: Iterable[Line], name: str, variables: Variables
+    lines: Iterable[Line | UnreadLineError], variables: Variables
 ) -> Iterator[Block | UnreadLineError]:
-    """All lines that hold anything; a line that cannot be read comes as its error.
-
-    Args:
-        lines: with their numbers, as they are carried out.
-        name: of the file, for messages.
-        variables: that the lines set.
-    """
-    for line, raw in lines:
+    """All lines that hold anything; a line that cannot be read comes as its error."""
+    for numbered in lines:
+        if isinstance(numbered, UnreadLineError):
+            yield numbered
+            continue
+        line, raw = numbered
         if raw.startswith((ENTER, LEAVE)):
             try:
-                variables.scope(raw, f"{name}, line {line}")
+                variables.scope(raw)
             except InputError as error:
                 yield UnreadLineError(line, str(error))
-            continue
-        if raw.startswith(ERROR):
-            yield UnreadLineError(line, raw.removeprefix(ERROR))
             continue
         if raw.lstrip().startswith("//"):
             yield Block(line, (), (raw.strip(),), behind_slashes=True)
@@ -224,14 +219,14 @@ def blocks(
         code = re.sub(r"^(?:[O:]\s*\d+|O[A-Z]\w{0,3}|(?:O\s*\d+\s*)?<[^<>]*>)\s*$", "", code)
         try:
             if not closed:
-                raise InputError(f"{name}, line {line}: found a comment ( without its )")
+                raise InputError("found a comment ( without its )")
             if found_spline := SPLINE.search(code):
                 raise InputError(
-                    f"{name}, line {line}: found {found_spline[0]}: splines and polynomials "
+                    f"found {found_spline[0]}: splines and polynomials "
                     "(Siemens) are not read; let the CAM system write straight moves and arcs"
                 )
-            code = variables.resolve(code, f"{name}, line {line}")
-            words, orders = _words(code, f"{name}, line {line}")
+            code = variables.resolve(code)
+            words, orders = _words(code)
         except InputError as error:
             variables.lost = True
             yield UnreadLineError(line, str(error))
@@ -278,7 +273,7 @@ def _end_of_comment(text: str, start: int) -> int:
     return len(text) if first < 0 else first
 
 
-def _words(code: str, place: str) -> tuple[list[tuple[str, float]], list[str]]:
+def _words(code: str) -> tuple[list[tuple[str, float]], list[str]]:
     words: list[tuple[str, float]] = []
     orders: list[str] = []
     at = 0
@@ -291,7 +286,7 @@ def _words(code: str, place: str) -> tuple[list[tuple[str, float]], list[str]]:
         elif word:
             value = float(word.group(2))
             if not math.isfinite(value):
-                raise InputError(f"{place}: found {word.group(2)[:20]}…, expected a finite number")
+                raise InputError(f"found {word.group(2)[:20]}…, expected a finite number")
             words.append(("R" if word.group(1) == "CR" else word.group(1), value))
             at = word.end()
         elif code[at:].strip() == "":
@@ -299,7 +294,7 @@ def _words(code: str, place: str) -> tuple[list[tuple[str, float]], list[str]]:
         else:
             why = next((text for pattern, text in UNREADABLE if pattern.search(code)), "")
             raise InputError(
-                f"{place}: found {code[at:].strip()[:30]!r}, expected words such as G1 X10.5"
+                f"found {code[at:].strip()[:30]!r}, expected words such as G1 X10.5"
                 + (f"; {why}" if why else "")
             )
     return words, orders

@@ -94,10 +94,7 @@ _M_WITHOUT_WORDS = frozenset([0, 1, 2, *range(3, 10), 13, 14, 30, 48, 49, 60])
 
 
 def refuse_idle_words(
-    state: GcodeState,
-    codes: tuple[list[float], list[int]],
-    values: dict[str, float],
-    place: str,
+    state: GcodeState, codes: tuple[list[float], list[int]], values: dict[str, float]
 ) -> None:
     """Words beside a motion that belong to nothing in their block.
 
@@ -105,7 +102,6 @@ def refuse_idle_words(
         state: with the motion in force.
         codes: the numbers behind G and behind M in the block.
         values: its words by their letter.
-        place: for messages.
 
     Raises:
         InputError: there is one.
@@ -116,7 +112,7 @@ def refuse_idle_words(
         # D is the edge of the tool on a control of Siemens
         if letter in values and state.motion in motions and not (state.siemens and letter == "D"):
             raise InputError(
-                f"{place}: found {letter}{values[letter]:g} beside G{state.motion:g}, where it "
+                f"found {letter}{values[letter]:g} beside G{state.motion:g}, where it "
                 f"says nothing that is read; {letter} is {says}: expected it there, or not at all"
             )
 
@@ -141,15 +137,14 @@ def without_owned(
     for code in codes:
         if code == 50 and places and not moving:
             raise InputError(
-                f"{builder.place}: G50 with {min(places)} and no motion code sets the coordinates "
+                f"G50 with {min(places)} and no motion code sets the coordinates "
                 "(lathes of Fanuc); not read, expected G92 for it, or where it ends scaling "
                 "(mills), G50 alone or beside G0 or G1"
             )
         if code == 50 and places:
-            builder.note(
-                "assumed",
+            builder.assume(
                 f"G50 beside G{moving[0]:g} ends scaling, and the place is that of G{moving[0]:g} "
-                "(mills)",
+                "(mills)"
             )
         letters, says = OWNED.get(code, ("", ""))
         # G43.1 with H goes to the place beside it (Fanuc)
@@ -159,14 +154,14 @@ def without_owned(
         # of a mill G50 S5000 G0 X9 is the spindle's speed, of a lathe its highest one
         if moving and (PLACE_WORDS & set(taken) or (code == 50 and places)):
             raise InputError(
-                f"{builder.place}: G{code:g} and G{moving[0]:g} in one block: whose is "
+                f"G{code:g} and G{moving[0]:g} in one block: whose is "
                 f"{taken[0]}{values[taken[0]]:g}? Expected them in two lines"
             )
         for letter in taken:
             left.pop(letter, None)
         if says:
             shown = " ".join(f"{letter}{values[letter]:g}" for letter in taken)
-            builder.note("assumed", f"G{code:g} {shown}: {says}")
+            builder.assume(f"G{code:g} {shown}: {says}")
     return left
 
 

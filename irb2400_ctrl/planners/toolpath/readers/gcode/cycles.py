@@ -54,37 +54,34 @@ class GcodeCycles:
         """
         state = self._state
         builder = self._builder
-        place = builder.place
         if state.plane != 17:
-            raise InputError(f"{place}: G{motion:g} in the plane G{state.plane}, expected G17")
+            raise InputError(f"G{motion:g} in the plane G{state.plane}, expected G17")
         if state.feed_mode == 93:
             raise InputError(
-                f"{place}: G{motion:g} in inverse time (G93), which states the time of one move; "
+                f"G{motion:g} in inverse time (G93), which states the time of one move; "
                 "expected G94 or G95 before the cycle"
             )
         self._refuse_other_words(motion, values)
         if "ZIC" in values or "ZAC" in values:
-            raise InputError(f"{place}: Z=IC(…) or Z=AC(…) in a cycle is not read; expected Z")
+            raise InputError("Z=IC(…) or Z=AC(…) in a cycle is not read; expected Z")
         if motion == 76:
             if set("IJK") <= set(values):
-                raise InputError(f"{place}: G76 with I, J and K cuts a thread; not read")
-            builder.note("assumed", "G76: straight out of the hole, without its way aside (Q)")
+                raise InputError("G76 with I, J and K cuts a thread; not read")
+            builder.assume("G76: straight out of the hole, without its way aside (Q)")
         if motion == 88:
-            builder.note(
-                "assumed", "G88: out of the hole at feed, without waiting for the operator"
-            )
+            builder.assume("G88: out of the hole at feed, without waiting for the operator")
         self._store(values)
         words = state.cycle
         missing = [letter for letter in "ZR" if letter not in words]
         if missing or (motion in {73, 83} and words.get("Q", 0.0) <= 0):
             raise InputError(
-                f"{place}: G{motion:g} without {(missing or ['a positive Q'])[0]}; expected X, Y, "
+                f"G{motion:g} without {(missing or ['a positive Q'])[0]}; expected X, Y, "
                 "Z, R" + (", Q" if motion in {73, 83} else "")
             )
         repeats = self._repeats(motion, values)
         if words["Z"] > words["R"] + 1e-9:
             raise InputError(
-                f"{place}: G{motion:g}: Z is above R ({1e3 * words['Z']:.4g} over "
+                f"G{motion:g}: Z is above R ({1e3 * words['Z']:.4g} over "
                 f"{1e3 * words['R']:.4g} mm), expected the bottom below"
             )
         for _ in range(repeats):
@@ -99,10 +96,9 @@ class GcodeCycles:
         idle = [letter for letter in "IJD" if letter in values and letter not in _AND_MORE[motion]]
         if idle:
             raise InputError(
-                f"{self._builder.place}: found {idle[0]}{values[idle[0]]:g} in the cycle "
-                f"G{motion:g}, where it is not read (steps that become smaller on controls of "
-                "Haas, others elsewhere); expected X, Y, Z, R, P, Q, F, or moves that the CAM "
-                "system has written out"
+                f"found {idle[0]}{values[idle[0]]:g} in the cycle G{motion:g}, where it is not "
+                "read (steps that become smaller on controls of Haas, others elsewhere); expected "
+                "X, Y, Z, R, P, Q, F, or moves that the CAM system has written out"
             )
 
     def _repeats(self, motion: float, values: dict[str, float]) -> int:
@@ -119,27 +115,25 @@ class GcodeCycles:
         count = values[letter]
         if count != values[stated[-1]]:
             raise InputError(
-                f"{builder.place}: found L{count:g} and K{values['K']:g} in a cycle, and both say "
+                f"found L{count:g} and K{values['K']:g} in a cycle, and both say "
                 "how often; expected one of them"
             )
         if not (0 <= count <= MOST_REPEATS and count == int(count)):
             raise InputError(
-                f"{builder.place}: G{motion:g} with {letter}{count:g}: {letter} says how often the "
+                f"G{motion:g} with {letter}{count:g}: {letter} says how often the "
                 "hole is repeated, expected a whole number from 0 to 10,000; where it is a length "
                 "of the cycle (some controls), leave it out or let the CAM system write for Fanuc "
                 "or LinuxCNC"
             )
         if count == 0:
-            builder.note(
-                "assumed",
+            builder.assume(
                 f"{letter}0 in a cycle: its words are kept for the next blocks, and no hole is "
-                "drilled here (Fanuc)",
+                "drilled here (Fanuc)"
             )
         elif count > 1 and self._state.absolute:
-            builder.note(
-                "assumed",
+            builder.assume(
                 f"G{motion:g} with {letter}{count:g} in G90: the same hole {count:g} times; on "
-                f"some controls {letter} is a length of the cycle",
+                f"some controls {letter} is a length of the cycle"
             )
         return int(count)
 
@@ -153,16 +147,14 @@ class GcodeCycles:
         stated = {letter: values[letter] * state.unit for letter in "RZQ" if letter in values}
         if not state.absolute and {"R", "Z"} & set(stated):
             if "start" not in cycle:
-                raise InputError(
-                    f"{self._builder.place}: a cycle in G91 from a Z that is not stated yet"
-                )
+                raise InputError("a cycle in G91 from a Z that is not stated yet")
             if "R" in stated:
                 stated["R"] += cycle["start"]
             if "Z" in stated:
                 stated["Z"] += stated.get("R", cycle.get("R", 0.0))
         elif "R" in cycle and not {"R", "Z"} & set(stated) and cycle["G90"] != state.absolute:
-            self._builder.note(
-                "assumed", "G90 or G91 within a cycle: Z and R stay the heights they were (Fanuc)"
+            self._builder.assume(
+                "G90 or G91 within a cycle: Z and R stay the heights they were (Fanuc)"
             )
         if {"R", "Z"} & set(stated):
             cycle["G90"] = state.absolute
@@ -172,14 +164,12 @@ class GcodeCycles:
 
     def _one_hole(self, motion: float, values: dict[str, float]) -> None:
         state = self._state
-        builder = self._builder
         words = state.cycle
         level = words["R"]
         across = {key: value for key, value in values.items() if key[0] in "XY"}
         x, y, _ = state.target(across)
         # G98: to where the tool was as the cycle began, also after holes with G99
         up = max(words.get("start", level) - level, 0.0) if state.retract_to_start else 0.0
-        point = state.placed([x, y, level], builder.place)
         cycle = HoleCycle(
             CYCLES[int(motion)],
             max(level - words["Z"], 0.0),
@@ -190,11 +180,7 @@ class GcodeCycles:
             None,
             f"G{motion:g}",
         )
-        z = state.tilt[:3, 2]
-        if not np.allclose(z, builder.axis, atol=1e-6) and builder.moved:
-            raise InputError(f"{builder.place}: a cycle with the tool not along its Z")
-        drill(builder, cycle, point, z)
-        state.at = [x, y, level + up]
+        drill_along_z(self._builder, state, cycle, (x, y, level))
 
     def call(self, call: HoleCall) -> None:
         """CYCLE81(…) here, MCALL CYCLE81(…) after each of the next moves and at the places of
@@ -214,13 +200,12 @@ class GcodeCycles:
     def _pattern(self, call: HoleCall) -> None:
         """A row is begun at its nearer end."""
         state = self._state
-        place = self._builder.place
         if self._modal is None or call.modal:
             raise InputError(
-                f"{place}: {call.name} is read behind a line MCALL CYCLE81(…) to CYCLE89(…), which "
+                f"{call.name} is read behind a line MCALL CYCLE81(…) to CYCLE89(…), which "
                 "says what to drill there; found none"
             )
-        found = state.unit * places(call, place)
+        found = state.unit * places(call)
         x, y, _ = state.at
         if call.name == "HOLES1" and x is not None and y is not None:
             here = np.array([x, y])
@@ -234,20 +219,39 @@ class GcodeCycles:
         """A hole by a call (Siemens) where the tool is."""
         state = self._state
         builder = self._builder
-        place = builder.place
         if state.plane != 17:
-            raise InputError(f"{place}: {call.name} in the plane G{state.plane}, expected G17")
-        plane, cycle = cycle_of(call, state, builder.spindle.rpm, place)
+            raise InputError(f"{call.name} in the plane G{state.plane}, expected G17")
+        plane, cycle = cycle_of(call, state, builder.spindle.rpm)
         if call.name in NOT_CARRIED_OUT:
-            builder.note("assumed", f"{call.name}: {NOT_CARRIED_OUT[call.name]}")
+            builder.assume(f"{call.name}: {NOT_CARRIED_OUT[call.name]}")
         if found := left_out(call):
-            builder.note("assumed", f"{call.name}: {found} is not carried out")
+            builder.assume(f"{call.name}: {found} is not carried out")
         x, y, _ = state.at
-        axis = state.tilt[:3, 2]
-        if builder.moved and not np.allclose(axis, builder.axis, atol=1e-6):
-            raise InputError(f"{place}: a cycle with the tool not along its Z")
-        drill(builder, cycle, state.placed([x, y, plane], place), axis)
-        state.at = [x, y, plane + cycle.retract]
+        drill_along_z(builder, state, cycle, (x, y, plane))
+
+
+def drill_along_z(
+    builder: ProgramBuilder,
+    state: GcodeState,
+    cycle: HoleCycle,
+    at: tuple[float | None, float | None, float],
+) -> None:
+    """A hole along Z of the frame in force; the tool is at the height that the cycle leaves then.
+
+    Args:
+        builder, state: of the control; cycle: of the hole.
+        at: the hole in that frame [m].
+
+    Raises:
+        InputError: the tool is not along Z.
+    """
+    axis = state.tilt[:3, 2]
+    x, y, z = at
+    point = state.placed([x, y, z])
+    if builder.moved and not np.allclose(axis, builder.axis, atol=1e-6):
+        raise InputError("a cycle with the tool not along its Z")
+    drill(builder, cycle, point, axis)
+    state.at = [x, y, z + cycle.retract]
 
 
 def dwell_seconds(stated: float) -> float:

@@ -59,10 +59,9 @@ class GcodeFrames:
         if self._unturned and not self._state.turned_by_file:
             line = builder.line
             builder.line = self._unturned
-            builder.note(
-                "assumed",
+            builder.assume(
                 "G68.2 without G53.1 behind it and without angles of the axes: the tool is taken "
-                "as turned to the plane, which a control does not do by itself",
+                "as turned to the plane, which a control does not do by itself"
             )
             builder.line = line
         self._unturned = 0
@@ -75,7 +74,7 @@ class GcodeFrames:
         """
         if named and not self._shifted <= named:
             raise InputError(
-                f"{self._builder.place}: G92.1 with {min(named)} ends the moved zero of some "
+                f"G92.1 with {min(named)} ends the moved zero of some "
                 f"axes only (Fanuc), that of {min(self._shifted - named)} stays; not read, "
                 f"expected G92.1 alone, or with {', '.join(sorted(self._shifted | named))}"
             )
@@ -85,9 +84,7 @@ class GcodeFrames:
     def _tilt(self, values: dict[str, float]) -> None:
         """G68.2 X Y Z I J K."""
         if "P" in values:
-            raise InputError(
-                f"{self._builder.place}: G68.2 P… is not read; expected X Y Z I J K (Euler angles)"
-            )
+            raise InputError("G68.2 P… is not read; expected X Y Z I J K (Euler angles)")
         self.end()
         X = tilted_plane(values, self._state.unit)
         self._unturned = 0 if np.allclose(X[:3, 2], [0, 0, 1]) else self._builder.line
@@ -97,14 +94,12 @@ class GcodeFrames:
     def _turn(self, values: dict[str, float]) -> None:
         """G68 X Y R: coordinates turned in the plane about a point of it."""
         state = self._state
-        place = self._builder.place
         if "R" not in values or state.plane != 17 or set("ZIJK") & set(values):
-            raise InputError(f"{place}: G68 is read as G17 G68 X Y R only")
+            raise InputError("G68 is read as G17 G68 X Y R only")
         if not state.absolute and not np.array_equal(state.turned, np.eye(4)):
             raise InputError(
-                f"{place}: G68 R{values['R']:g} in G91 while coordinates are turned: some controls "
-                "turn on by R (Haas, Fanuc by a parameter), others to R; expected G90, or G69 "
-                "before it"
+                f"G68 R{values['R']:g} in G91 while coordinates are turned: some controls turn on "
+                "by R (Haas, Fanuc by a parameter), others to R; expected G90, or G69 before it"
             )
         state.reframe(turned=np.eye(4))
         centre = np.zeros(3)
@@ -115,7 +110,7 @@ class GcodeFrames:
             elif known is not None:
                 centre[index] = known
             else:
-                raise InputError(f"{place}: G68 without {letter}, and the tool's is not stated yet")
+                raise InputError(f"G68 without {letter}, and the tool's is not stated yet")
         X = np.eye(4)
         X[:3, :3] = rotation_about(2, math.radians(values["R"]))
         X[:3, 3] = centre - X[:3, :3] @ centre
@@ -129,13 +124,12 @@ class GcodeFrames:
             InputError: a rotation about X or Y, at which the tool need not turn as well.
         """
         state = self._state
-        place = self._builder.place
         known = {"Z", "RPL"} if order.endswith("ROT") else set(AXES)
         others = sorted(set(values) - known)
         if others or (state.plane != 17 and order.endswith("ROT") and values):
             shown = others[0] if others else f"in the plane G{state.plane}"
             raise InputError(
-                f"{place}: {order} {shown} is not read; expected TRANS X Y Z, or ROT Z or RPL= in "
+                f"{order} {shown} is not read; expected TRANS X Y Z, or ROT Z or RPL= in "
                 "G17 (a plane that the tool turns to: CYCLE800)"
             )
         X = np.eye(4)
@@ -155,7 +149,7 @@ class GcodeFrames:
                 offset[index, 3] = values[letter] * state.unit
                 if values[letter] != 0:
                     self._shifted.add(letter)
-        self._builder.note("assumed", "G52: the zero is moved by what it states")
+        self._builder.assume("G52: the zero is moved by what it states")
         state.reframe(offset=offset)
 
     def _shift(self, values: dict[str, float]) -> None:
@@ -169,7 +163,7 @@ class GcodeFrames:
             values[letter] * state.unit if letter in values else state.at[index]
             for index, letter in enumerate(AXES)
         ]
-        builder.note("assumed", "G92: the zero is moved so that the tool's place has these numbers")
+        builder.assume("G92: the zero is moved so that the tool's place has these numbers")
         # in turned coordinates each axis moves the zero of others
         straight = np.array_equal(state.tilt[:3, :3], np.eye(3))
         self._shifted |= set(AXES) & set(values) if straight else set(AXES)
@@ -178,7 +172,7 @@ class GcodeFrames:
             return
         lost = [letter for i, letter in enumerate(AXES) if letter in values and state.at[i] is None]
         if lost:
-            raise InputError(f"{builder.place}: G92 {lost[0]}, but the tool's place is not known")
+            raise InputError(f"G92 {lost[0]}, but the tool's place is not known")
         away = self._moved(state.at) - self._moved(named)
         offset = state.offset.copy()
         offset[:3, 3] += away
@@ -197,7 +191,7 @@ class GcodeFrames:
             same = 0.0 if code == 52 else rotary[letter]
             if values.get(letter, same) != same:
                 raise InputError(
-                    f"{self._builder.place}: G{code} {letter}{values[letter]:g} moves the zero of "
+                    f"G{code} {letter}{values[letter]:g} moves the zero of "
                     f"the rotary axis {letter}, which is not read; expected X, Y or Z, and angles "
                     "from the axis's own zero"
                 )

@@ -12,6 +12,7 @@ from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.planners.toolpath.readers.expansion.drilling import MOST_STEPS, HoleCycle
 from irb2400_ctrl.planners.toolpath.readers.feed import Feed
 from irb2400_ctrl.planners.toolpath.readers.gcode.state import GcodeState
+from irb2400_ctrl.planners.toolpath.readers.unread_line import WordError
 
 CALL = re.compile(r"\b(MCALL\s+)?(CYCLE8[1-9]|HOLES[12])\s*\(([^()]*)\)", re.IGNORECASE)
 BEGINS = re.compile(r"CALL|CYCLE|HOLES", re.IGNORECASE)
@@ -61,9 +62,7 @@ def taken_out(code: str) -> tuple[HoleCall | None, str]:
     return None, code
 
 
-def cycle_of(
-    call: HoleCall, state: GcodeState, spindle_rpm: float, place: str
-) -> tuple[float, HoleCycle]:
+def cycle_of(call: HoleCall, state: GcodeState, spindle_rpm: float) -> tuple[float, HoleCycle]:
     """Height of the reference plane [m], and the hole below it.
 
     Raises:
@@ -71,21 +70,21 @@ def cycle_of(
             other.
     """
     if call.name not in KINDS:
-        raise InputError(f"{place}: {call.name} is not read; expected one of {', '.join(KINDS)}")
-    at = [number(text, f"{place}, {call.name}") for text in call.arguments] + [None] * 20
+        raise InputError(f"{call.name} is not read; expected one of {', '.join(KINDS)}")
+    at = [number(text, call.name) for text in call.arguments] + [None] * 20
     shank = AT_THE_SHANK.get(call.name, -1)
     if shank >= 0 and at[shank]:
         raise InputError(
-            f"{place}: {call.name} with _GMODE {at[shank]:g} counts the depth at the shank or a "
+            f"{call.name} with _GMODE {at[shank]:g} counts the depth at the shank or a "
             "diameter; expected 0 (the tip)"
         )
     retract = at[0]
     plane = at[1]
     clear = abs(at[2] or 0.0)
-    depth = _depth(at, call.name, place)
+    depth = _depth(at, call.name)
     if retract is None or plane is None or retract < plane or depth < 0:
         raise InputError(
-            f"{place}: {call.name}({', '.join(call.arguments[:5])}): expected retraction plane "
+            f"{call.name}({', '.join(call.arguments[:5])}): expected retraction plane "
             "over reference plane over depth (RTP, RFP, SDIS, DP)"
         )
     kind = KINDS[call.name]
@@ -100,8 +99,8 @@ def cycle_of(
         clear * unit,
         max(retract - plane, clear) * unit,
         tuple(step * unit for step in steps),
-        _dwell(at, call.name, spindle_rpm, place),
-        _feed(at, call, state, place),
+        _dwell(at, call.name, spindle_rpm),
+        _feed(at, call, state),
         call.name,
     )
 
@@ -116,7 +115,7 @@ def left_out(call: HoleCall) -> str:
     return ", ".join(found)
 
 
-def number(text: str, place: str) -> float | None:
+def number(text: str, word: str) -> float | None:
     """An argument; None where it is left out, or a text.
 
     Raises:
@@ -127,20 +126,20 @@ def number(text: str, place: str) -> float | None:
     try:
         return float(text)
     except ValueError:
-        raise InputError(f"{place}: found {text!r}, expected a number") from None
+        raise WordError(word, f"found {text!r}, expected a number") from None
 
 
-def _depth(at: list[float | None], name: str, place: str) -> float:
+def _depth(at: list[float | None], name: str) -> float:
     """Below the reference plane: DP is a height, DPR a length."""
     plane = at[1]
     height = at[3]
     length = at[4]
     if height is None and not length:
-        raise InputError(f"{place}: {name} states no depth; expected DP or DPR")
+        raise InputError(f"{name} states no depth; expected DP or DPR")
     if height is None or plane is None:
         return abs(length or 0.0)
     if length and abs(plane - height - abs(length)) > 1e-6:
-        raise InputError(f"{place}: {name}: DP {height:g} and DPR {length:g} differ; expected one")
+        raise InputError(f"{name}: DP {height:g} and DPR {length:g} differ; expected one")
     return plane - height
 
 
@@ -161,22 +160,22 @@ def _steps(at: list[float | None], plane: float, clear: float, depth: float) -> 
     return tuple(steps) if less else (first + clear, first)
 
 
-def _dwell(at: list[float | None], name: str, spindle_rpm: float, place: str) -> float:
+def _dwell(at: list[float | None], name: str, spindle_rpm: float) -> float:
     """DTB: seconds, or turns of the spindle where negative."""
     stated = (at[8] if name == "CYCLE83" else at[5]) or 0.0
     if stated >= 0:
         return stated
     if spindle_rpm <= 0:
-        raise InputError(f"{place}: {name} dwells for turns of the spindle, and its speed is open")
+        raise InputError(f"{name} dwells for turns of the spindle, and its speed is open")
     return -stated * 60 / spindle_rpm
 
 
-def _feed(at: list[float | None], call: HoleCall, state: GcodeState, place: str) -> Feed | None:
+def _feed(at: list[float | None], call: HoleCall, state: GcodeState) -> Feed | None:
     """CYCLE84: pitch times speed; CYCLE85: FFR; the others have the one in force."""
     if call.name == "CYCLE85" and at[6]:
         return Feed("speed", at[6] * state.feed_unit / 60)
     if call.name != "CYCLE84":
         return None
     if not at[8] or not at[10]:
-        raise InputError(f"{place}: CYCLE84 without PIT and SST; expected pitch and speed")
+        raise InputError("CYCLE84 without PIT and SST; expected pitch and speed")
     return Feed("speed", abs(at[8] * at[10]) * state.unit / 60)

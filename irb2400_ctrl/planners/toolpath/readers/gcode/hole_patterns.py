@@ -21,27 +21,26 @@ PATTERNS = {
 MOST_HOLES = 10_000
 
 
-def places(call: HoleCall, place: str) -> Array:
+def places(call: HoleCall) -> Array:
     """The holes in the order of the statement, in its plane and unit, shape (k, 2).
 
     Raises:
         InputError: an argument is missing, or one is stated that is not read.
     """
     names = PATTERNS[call.name]
-    at = [number(text, f"{place}, {call.name}") for text in call.arguments[: len(names)]]
+    at = [number(text, call.name) for text in call.arguments[: len(names)]]
     at += [None] * (len(names) - len(at))
     count = round(at[-1] or 0)
     if at[0] is None or at[1] is None or not 0 < count <= MOST_HOLES:
         raise InputError(
-            f"{place}: {call.name}({', '.join(call.arguments)}): expected {', '.join(names)}, NUM "
+            f"{call.name}({', '.join(call.arguments)}): expected {', '.join(names)}, NUM "
             f"from 1 to {MOST_HOLES:,}"
         )
     # _VARI and _HIDE of newer controls: another pattern, places that are left out
     more = [text for text in call.arguments[len(names) :] if text.strip('0." ')]
     if more:
         raise InputError(
-            f"{place}: {call.name} with {more[0]} behind NUM is not read; expected "
-            f"{', '.join(names)} alone"
+            f"{call.name} with {more[0]} behind NUM is not read; expected {', '.join(names)} alone"
         )
     first, second, third, fourth, fifth = (value or 0.0 for value in at[:-1])
     k = np.arange(count)
@@ -50,7 +49,7 @@ def places(call: HoleCall, place: str) -> Array:
         angle = np.full(count, math.radians(third))
     else:
         if third <= 0:
-            raise InputError(f"{place}: HOLES2 with RAD {third:g}, expected a positive radius")
+            raise InputError(f"HOLES2 with RAD {third:g}, expected a positive radius")
         along = np.full(count, third)
         angle = np.radians(fourth + (fifth or 360 / count) * k)
     return np.stack([first + along * np.cos(angle), second + along * np.sin(angle)], axis=1)

@@ -64,21 +64,20 @@ class GcodeMachine:
         state = self._state
         builder = self._builder
         if values.get("$", 0.0) > 0:
-            builder.note(
-                "assumed",
-                f"${values['$']:g}: one of several spindles or torches, taken for the one",
+            builder.assume(
+                f"${values['$']:g}: one of several spindles or torches, taken for the one"
             )
         # M204 T500 and its like are settings of printers
         if "T" in values and max(functions, default=0) < 100:
             state.next_tool = int(values["T"])
             if self._changes_at_t and 0 != state.next_tool != builder.tool.number:
-                builder.note("assumed", "no M6 in the whole file: T itself changes the tool")
+                builder.assume("no M6 in the whole file: T itself changes the tool")
                 self._change()
         if 6 in functions:
             self._change()
         if "S" in values:
             if values["S"] < 0:
-                raise InputError(f"{builder.place}: S{values['S']}, expected at least zero")
+                raise InputError(f"S{values['S']}, expected at least zero")
             state.spindle_speed = values["S"]
         for function in functions:
             self._function(function)
@@ -89,8 +88,8 @@ class GcodeMachine:
     def make_ready(self, tool: int) -> None:
         """The second tool of T1 T2 M6 comes with the next M6."""
         self._state.next_tool = tool
-        self._builder.note(
-            "assumed", "T1 T2 M6: the first tool is changed to, the second made ready (Mazak)"
+        self._builder.assume(
+            "T1 T2 M6: the first tool is changed to, the second made ready (Mazak)"
         )
 
     def library(self, number: float) -> list[int]:
@@ -101,10 +100,10 @@ class GcodeMachine:
         """
         if number != 6:
             raise InputError(
-                f"{self._builder.place}: L{number:g} calls a sub-program that is not in the file "
+                f"L{number:g} calls a sub-program that is not in the file "
                 "(Siemens); not read, put it into the file or write out its moves"
             )
-        self._builder.note("assumed", "L6 changes the tool, as M6 (Siemens)")
+        self._builder.assume("L6 changes the tool, as M6 (Siemens)")
         return [6]
 
     def after(self, functions: list[int]) -> None:
@@ -131,7 +130,7 @@ class GcodeMachine:
             builder.begin_operation("")
         elif hidden and builder.tool_described:
             builder.describe_tool(replace(builder.tool, number=int(hidden.group(1))))
-            builder.note("assumed", f"the tool's number from the comment ({text})")
+            builder.assume(f"the tool's number from the comment ({text})")
         elif diameter and float(diameter.group(1)) > 0:
             value = float(diameter.group(1)) * self._state.unit
             builder.describe_tool(replace(builder.tool, diameter=value))
@@ -150,14 +149,13 @@ class GcodeMachine:
         stated = values.get(word, -1.0)
         if stated < 0:
             raise InputError(
-                f"{builder.place}: G4 states no time, expected G4 P, X or F, on a control of "
-                "Siemens also S"
+                "G4 states no time, expected G4 P, X or F, on a control of Siemens also S"
             )
         seconds = dwell_seconds(stated)
         if seconds != stated:
-            builder.note("assumed", "a dwell of 100 or more is in milliseconds")
+            builder.assume("a dwell of 100 or more is in milliseconds")
         elif "P" in values and stated >= 1:
-            builder.note("assumed", "G4 P of less than 100 is in seconds")
+            builder.assume("G4 P of less than 100 is in seconds")
         builder.dwell(seconds)
         return {key: value for key, value in values.items() if key != word}
 
@@ -171,9 +169,8 @@ class GcodeMachine:
         turns = values["S"]
         if turns < 0 or builder.spindle.rpm <= 0:
             raise InputError(
-                f"{builder.place}: G4 S{turns:g} waits for turns of the spindle (Siemens); "
-                "expected a positive number and a spindle that runs (S and M3 before it), or "
-                "seconds (G4 F)"
+                f"G4 S{turns:g} waits for turns of the spindle (Siemens); expected a positive "
+                "number and a spindle that runs (S and M3 before it), or seconds (G4 F)"
             )
         builder.dwell(60 * turns / builder.spindle.rpm)
         return {key: value for key, value in values.items() if key != "S"}
@@ -195,13 +192,12 @@ class GcodeMachine:
         self._builder.line = line
         if not state.unit_stated:
             state.unit_stated = True
-            self._builder.note("assumed", f"the unit of lengths from the comment ({text})")
+            self._builder.assume(f"the unit of lengths from the comment ({text})")
         elif said != state.unit:
             found = "mm (G21)" if state.unit == MM else "inch (G20)"
-            self._builder.note(
-                "assumed",
+            self._builder.assume(
                 f"the comment ({text}) and the code differ: lengths are in {found}; if the comment "
-                f"is right, --units {'inch' if said == INCH else 'mm'}",
+                f"is right, --units {'inch' if said == INCH else 'mm'}"
             )
 
     def _change(self) -> None:
@@ -212,19 +208,15 @@ class GcodeMachine:
 
     def _function(self, function: int) -> None:
         builder = self._builder
-        if function in {3, 4, 13, 14}:
-            self._state.start_spindle(clockwise=function in {3, 13})
+        if function in {3, 4, 5, 13, 14}:
+            self._state.turn_spindle(function)
             builder.set_spindle(self._state.spindle)
-            if function > 4:
+            if function > 5:
                 builder.set_coolant("flood")
-        elif function == 5:
-            self._state.turning = False
-            builder.set_spindle(self._state.spindle)
         elif self._jet and function in {7, 8}:
             builder.set_coolant(COOLANT[7 if function == 7 else 9])
-            builder.note(
-                "assumed",
-                "neither a spindle nor M9 in the whole file: M7 starts and M8 ends the jet or beam",
+            builder.assume(
+                "neither a spindle nor M9 in the whole file: M7 starts and M8 ends the jet or beam"
             )
         elif function in COOLANT:
             builder.set_coolant(COOLANT[function])
@@ -232,24 +224,23 @@ class GcodeMachine:
             self._control_tool_centre(on=function == 128)
         elif function in {428, 429}:
             self._control_tool_centre(on=function == 428)
-            builder.note("assumed", "M428 is tool centre control, M429 its end (LinuxCNC's demos)")
+            builder.assume("M428 is tool centre control, M429 its end (LinuxCNC's demos)")
         elif function in SUBPROGRAMS:
             raise InputError(
-                f"{builder.place}: M{function} calls a sub-program that is not in the file, or by "
-                "a line's number (P, Q, H); not read, put it into the file as O… or write out its "
-                "moves"
+                f"M{function} calls a sub-program that is not in the file, or by a line's number "
+                "(P, Q, H); not read, put it into the file as O… or write out its moves"
             )
         elif function in KEPT_MODES and self._state.linuxcnc:
             raise InputError(
-                f"{builder.place}: M{function} keeps G20, G91, F and other modes or brings them "
+                f"M{function} keeps G20, G91, F and other modes or brings them "
                 "back (LinuxCNC); not read, write the codes out where they change"
             )
         elif function == 99:
-            builder.note("assumed", "M99: the control begins again here; carried out once")
+            builder.assume("M99: the control begins again here; carried out once")
         elif function in {48, 49}:
-            builder.note("ignored", f"M{function}")
+            builder.ignore(f"M{function}")
         elif function not in {2, 6, 30, *STOPS}:
-            builder.note("assumed", f"M{function}: a function of the machine, not carried out")
+            builder.assume(f"M{function}: a function of the machine, not carried out")
 
     def _control_tool_centre(self, *, on: bool) -> None:
         if on:
@@ -263,4 +254,4 @@ class GcodeMachine:
         elif order in {"ORIMKS", "ORIAXES", "ORIWKS", "ORIVECT", "ORIPLANE"}:
             self._state.evenly = order in {"ORIMKS", "ORIAXES"}
         elif order not in {"SUPA", *PROGRAMMED}:
-            self._builder.note("ignored", order)
+            self._builder.ignore(order)

@@ -64,8 +64,8 @@ class GcodeMotion:
         X = np.eye(4)
         if any(state.rotary.values()):
             if self._rotary is None:
-                raise InputError(f"{self._builder.place}: {REFUSAL}")
-            X[:3, :3] = self._rotary.rotation(state.rotary, self._builder.place)
+                raise InputError(f"{REFUSAL}")
+            X[:3, :3] = self._rotary.rotation(state.rotary)
         state.reframe(plane_pose=X)
 
     def steer(self, rotary: Rotary | None) -> None:
@@ -81,15 +81,15 @@ class GcodeMotion:
         state = self._state
         motion = state.motion
         if why := state.polar_refusal(values):
-            raise InputError(f"{self._builder.place}: found {why}")
+            raise InputError(f"found {why}")
         if motion is None and None in state.target(values) and not set(values) & set(ROTARY):
             says = "axis words before G0, G1, … are taken as the place of the tool"
-            self._builder.note("assumed", says)
+            self._builder.assume(says)
             state.at = state.target(values)
             return
         if motion is None:
             raise InputError(
-                f"{self._builder.place}: found axis words, but no motion is in force; expected G0, "
+                "found axis words, but no motion is in force; expected G0, "
                 "G1, G2, G3 or a cycle before them"
             )
         if motion == 0 and not state.tool_centre and not any(k in values for k in (*AXES, *VECTOR)):
@@ -99,7 +99,7 @@ class GcodeMotion:
         axis = self._axis(values)
         if motion not in {0, *CYCLES} and not (self._builder.moved or None in state.at):
             # where the tool is without a move to it: G92, axis words before G0
-            self._builder.start(state.placed(state.at, self._builder.place), axis)
+            self._builder.start(state.placed(state.at), axis)
         if motion in CYCLES:
             self.cycles.run(motion, values)
         elif motion in SPLINES:
@@ -116,10 +116,9 @@ class GcodeMotion:
         before = (dict(state.rotary), state.left_turned)
         self._turn(values)
         if (state.rotary, state.left_turned) != before:
-            self._builder.note(
-                "assumed",
+            self._builder.assume(
                 "G0 with A, B or C alone turns table or head; the robot goes on at the "
-                "next stated place",
+                "next stated place"
             )
             self._builder.leave()
             state.at = [None, None, None]
@@ -139,13 +138,7 @@ class GcodeMotion:
             self._follow()
 
     def _way(self, values: dict[str, float], before: dict[str, float], axis: Array) -> Array:
-        """Tool axes of a straight move, shape (m, 3), the last at its end.
-
-        Args:
-            values: words of the block.
-            before: degrees of the rotary axes before it.
-            axis: at its end.
-        """
+        """Tool axes of a straight move, shape (m, 3), the last at its end."""
         state = self._state
         R = state.tilt[:3, :3]
         # in a tilted plane (G68.2) the control turns them; DC=, ACP= say which way
@@ -165,19 +158,18 @@ class GcodeMotion:
             letter for letter in [*"IJKRQ", *ABSOLUTE] if letter in values and not state.vectors
         ]
         if others:
-            raise InputError(f"{builder.place}: {others[0]} in a straight move is not read")
+            raise InputError(f"{others[0]} in a straight move is not read")
         target = state.target(values)
         if None in target and rapid:
-            builder.note(
-                "assumed",
+            builder.assume(
                 "rapid moves before X, Y and Z are all stated are left out: where the tool comes "
-                "from is not known",
+                "from is not known"
             )
             state.at = target
             return
-        place = state.placed(target, builder.place)
+        place = state.placed(target)
         if builder.here is None and not rapid:
-            builder.note("assumed", "the first move comes from an unknown place: begun at its end")
+            builder.assume("the first move comes from an unknown place: begun at its end")
         if builder.here is None or rapid or len(axes) == 1:
             builder.move(place, axis=axes[-1], rapid=rapid, height="Z" in values)
         else:
@@ -189,7 +181,7 @@ class GcodeMotion:
         state = self._state
         builder = self._builder
         start = state.at
-        state.placed(start, builder.place)
+        state.placed(start)
         target = state.target(values)
         p = np.array(start, dtype=float)
         q = np.array(target, dtype=float)
@@ -203,15 +195,14 @@ class GcodeMotion:
             centre = self._centre_of_radius(p, q, values["R"] * state.unit, normal)
         else:
             raise InputError(
-                f"{builder.place}: G{motion:g} without a centre; expected "
-                f"{CENTRE[first]}, {CENTRE[second]} or R"
+                f"G{motion:g} without a centre; expected {CENTRE[first]}, {CENTRE[second]} or R"
             )
         stated = Arc(centre, normal, None, self._turns(values))
         if by_centre and "R" in values:
             self._same_arc(stated, p, q, values["R"] * state.unit)
         R = state.tilt[:3, :3]
-        arc = replace(stated, centre=state.placed(centre, builder.place), normal=R @ normal)
-        builder.arc(arc, state.placed(q, builder.place), axis=axis)
+        arc = replace(stated, centre=state.placed(centre), normal=R @ normal)
+        builder.arc(arc, state.placed(q), axis=axis)
         state.at = target
 
     def _same_arc(self, arc: Arc, p: Array, q: Array, radius: float) -> None:
@@ -240,7 +231,7 @@ class GcodeMotion:
         else:
             why = f"the one turns by {math.degrees(turned):.0f} deg, the other by the rest"
         raise InputError(
-            f"{self._builder.place}: the centre by I, J, K and R ({1e3 * radius:g} mm) of an arc "
+            f"the centre by I, J, K and R ({1e3 * radius:g} mm) of an arc "
             f"differ: {why}; controls follow one or the other, expected one of them"
         )
 
@@ -249,8 +240,7 @@ class GcodeMotion:
         turns = values.get("P", values.get("TURN", 0.0) + 1)
         if turns < 1 or turns != int(turns):
             raise InputError(
-                f"{self._builder.place}: an arc of {turns:g} turns (P, TURN=), expected a whole "
-                "number of at least 1"
+                f"an arc of {turns:g} turns (P, TURN=), expected a whole number of at least 1"
             )
         return int(turns)
 
@@ -259,7 +249,7 @@ class GcodeMotion:
         first, second, across = plane
         if values.get(CENTRE[across], 0.0) != 0 and not state.arc_absolute:
             raise InputError(
-                f"{self._builder.place}: {CENTRE[across]} lies across the plane G{state.plane}; "
+                f"{CENTRE[across]} lies across the plane G{state.plane}; "
                 f"expected {CENTRE[first]} and {CENTRE[second]}"
             )
         centre = p.copy()
@@ -270,8 +260,7 @@ class GcodeMotion:
             elif state.arc_absolute:
                 if letter not in values:
                     raise InputError(
-                        f"{self._builder.place}: absolute centres (G90.1) need {CENTRE[first]} and "
-                        f"{CENTRE[second]}"
+                        f"absolute centres (G90.1) need {CENTRE[first]} and {CENTRE[second]}"
                     )
                 centre[index] = values[letter] * state.unit
             else:
@@ -283,12 +272,11 @@ class GcodeMotion:
         chord = q - p
         chord = chord - (chord @ normal) * normal
         length = float(np.linalg.norm(chord))
-        place = self._builder.place
         if length < 1e-9:
-            raise InputError(f"{place}: a full turn by R has no centre; expected I, J, K")
+            raise InputError("a full turn by R has no centre; expected I, J, K")
         if abs(radius) < length / 2 - RADIUS_SHORT:
             raise InputError(
-                f"{place}: the radius {1e3 * radius:.4g} mm is less than half the way of "
+                f"the radius {1e3 * radius:.4g} mm is less than half the way of "
                 f"{1e3 * length:.4g} mm"
             )
         height = math.sqrt(max(radius**2 - (length / 2) ** 2, 0.0))
@@ -305,18 +293,14 @@ class GcodeMotion:
             vector = np.array([values.get(letter, 0.0) for letter in VECTOR])
             length = float(np.linalg.norm(vector))
             if length < 1e-6 or not state.tool_centre:
-                raise InputError(
-                    f"{builder.place}: A3= B3= C3= without a length, or without TRAORI before them"
-                )
+                raise InputError("A3= B3= C3= without a length, or without TRAORI before them")
             state.vectors = True
             return np.asarray(R @ vector / length)
         if state.vectors and any(letter in values for letter in CENTRE):
             vector = np.array([values.get(letter, 0.0) for letter in CENTRE])
             length = float(np.linalg.norm(vector))
             if abs(length - 1) > 0.02:
-                raise InputError(
-                    f"{builder.place}: the tool axis I J K has length {length:.4g}, expected 1"
-                )
+                raise InputError(f"the tool axis I J K has length {length:.4g}, expected 1")
             return np.asarray(R @ vector / length)
         # under tool centre control angles are of the machine's axes, which no plane turns
         stated = state.tool_centre and any(letter in values for letter in ROTARY)
@@ -328,10 +312,10 @@ class GcodeMotion:
         if not turned:
             return builder.axis if state.vectors or state.left_turned else np.asarray(R[:, 2])
         if self._rotary is None:
-            raise InputError(f"{builder.place}: {REFUSAL}")
+            raise InputError(f"{REFUSAL}")
         if not state.tool_centre:
-            raise InputError(f"{builder.place}: {UNCONTROLLED}")
-        return np.asarray(R @ self._rotary.axis(state.rotary, builder.place))
+            raise InputError(f"{UNCONTROLLED}")
+        return np.asarray(R @ self._rotary.axis(state.rotary))
 
     def _agrees(self, normal: Array, *, stated: bool = False) -> None:
         """The angles that the file states lead to the plane that it states.
@@ -345,6 +329,6 @@ class GcodeMotion:
         """
         state = self._state
         if self._rotary is None and stated:
-            raise InputError(f"{self._builder.place}: {REFUSAL}")
+            raise InputError(f"{REFUSAL}")
         if self._rotary is not None and (state.turned_by_file or stated):
-            self._rotary.leads_to(normal, state.rotary, self._builder.place)
+            self._rotary.leads_to(normal, state.rotary)

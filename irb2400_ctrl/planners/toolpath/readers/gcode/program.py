@@ -31,12 +31,11 @@ from irb2400_ctrl.planners.toolpath.readers.gcode.subprograms import in_order
 from irb2400_ctrl.planners.toolpath.readers.gcode.swivel import swivel
 from irb2400_ctrl.planners.toolpath.readers.gcode.work_offsets import WorkOffsets
 from irb2400_ctrl.planners.toolpath.readers.program_builder import ProgramBuilder
-from irb2400_ctrl.planners.toolpath.readers.unread_line import UnreadLineError
+from irb2400_ctrl.planners.toolpath.readers.unread_line import TooMuchError, UnreadLineError
 
 
 def read_gcode(
     text: str,
-    name: str,
     builder: ProgramBuilder,
     units: str | None = None,
     rotary: str | None = None,
@@ -46,7 +45,6 @@ def read_gcode(
 
     Args:
         text: of the file.
-        name: of the file, for messages.
         builder: that takes the moves.
         units: unit of length, against G20 and G21.
         rotary: the machine's rotary axes from part to tool, such as "C,A".
@@ -55,32 +53,31 @@ def read_gcode(
     Raises:
         InputError: a word that is not known or not read, with its line.
     """
+    name = builder.name
     turning = None if rotary is None else Rotary.of(rotary)
     siemens = is_siemens(text, name)
     state = GcodeState(siemens=siemens, evenly=not siemens, linuxcnc=is_linuxcnc(text, name))
     reader = _Reader(builder, state, units, turning, frames)
     variables = Variables(siemens=siemens, linuxcnc=state.linuxcnc)
     lines, notes = in_order(text, name, variables)
-    listed = list(blocks(lines, name, variables))
+    try:
+        listed = list(blocks(lines, variables))
+    except TooMuchError as error:
+        raise builder.placed(error) from error
     reader.survey([block for block in listed if isinstance(block, Block)])
     for index, block in enumerate(listed):
-        builder.line = block.line
         if reader.ended:
-            reader.after_end(listed[index:])
+            with builder.reading(block.line):
+                reader.after_end(listed[index:])
             break
-        if isinstance(block, UnreadLineError):
-            builder.failed(block)
-            continue
-        try:
+        with builder.reading(block.line):
+            if isinstance(block, UnreadLineError):
+                raise block
             reader.block(block)
-        except InputError as error:
-            builder.failed(error)
-    try:
+    with builder.reading(builder.line):
         reader.end()
-    except InputError as error:
-        builder.failed(error)
     for builder.line, note in [*notes, *without_point(text, name)]:
-        builder.note("assumed", note)
+        builder.assume(note)
     return builder.finish("G-code", reader.unit_name(), reader.unit_stated)
 
 
@@ -121,7 +118,7 @@ class _Reader:
         self._machine.unit_said()
         if not self._state.unit_stated:
             self._builder.line = 1
-            self._builder.note("assumed", "neither G20 nor G21 in the file: lengths in mm")
+            self._builder.assume("neither G20 nor G21 in the file: lengths in mm")
         return "mm" if self._state.unit == LENGTHS["mm"] else "inch"
 
     def end(self) -> None:
@@ -140,22 +137,19 @@ class _Reader:
         """No Z in the whole file, as for lasers and plotters."""
         self._state.at[2] = 0.0
         self._builder.line = 1
-        self._builder.note("assumed", "no Z in the whole file: Z is 0")
+        self._builder.assume("no Z in the whole file: Z is 0")
 
     def after_end(self, rest: list[Block | UnreadLineError]) -> None:
         """None of the blocks after the end is read; after M99 they are another program."""
         lost = sum(isinstance(block, Block) and moves(block.values()) for block in rest)
         if self._again:
-            self._builder.failed(
-                InputError(
-                    f"{self._builder.place}: a block after M99, so that the program before it may "
-                    "be a sub-program; not read, expected all moves in one program"
-                )
+            raise InputError(
+                "a block after M99, so that the program before it may be a sub-program; not read, "
+                "expected all moves in one program"
             )
-        elif lost:
-            self._builder.note(
-                "assumed",
-                f"the program has ended: {lost} blocks with places behind it are left out",
+        if lost:
+            self._builder.assume(
+                f"the program has ended: {lost} blocks with places behind it are left out"
             )
 
     def block(self, block: Block) -> None:
@@ -164,14 +158,14 @@ class _Reader:
         for comment in block.comments:
             self._machine.comment(comment)
         if block.optional:
-            builder.note("assumed", "blocks behind / are carried out")
+            builder.assume("blocks behind / are carried out")
         if block.behind_slashes:
-            builder.note("assumed", "lines behind // are comments")
-        values = block.checked(builder.place)
+            builder.assume("lines behind // are comments")
+        values = block.checked()
         codes = [round(code, 3) for code in block.codes("G")]
         if {5, 5.1} & set(codes) and not moves(values, by_centre=True):
             # Fanuc's G5 P10000, G5.1 Q1; with places they are splines
-            builder.note("ignored", "G5, G5.1: look-ahead")
+            builder.ignore("G5, G5.1: look-ahead")
             codes = [code for code in codes if code not in {5, 5.1}]
         if 4 in codes:
             values = self._machine.dwell(values)
@@ -192,7 +186,7 @@ class _Reader:
         if leads and self._state.motion == 80:
             self._after_cycle()
         if leads:
-            refuse_idle_words(self._state, (codes, functions), values, builder.place)
+            refuse_idle_words(self._state, (codes, functions), values)
             self._move(values)
             self._motion.cycles.at_place()
         if block.call is not None:
@@ -208,7 +202,7 @@ class _Reader:
             self._mode(code)
         if "F" in values:
             if values["F"] < 0:
-                raise InputError(f"{builder.place}: F{values['F']}, expected a positive feed")
+                raise InputError(f"F{values['F']}, expected a positive feed")
             builder.feed = state.feed(values["F"])
         if "H" in values and {43, 43.1, 43.4, 43.5, 234} & set(codes):
             builder.set_length_offset(int(values["H"]))
@@ -248,11 +242,11 @@ class _Reader:
         if code in simple:
             simple[code]()
         elif code in REFUSED:
-            raise InputError(f"{self._builder.place}: G{code:g} is {REFUSED[code]}; not read")
+            raise InputError(f"G{code:g} is {REFUSED[code]}; not read")
         elif code in HARMLESS:
-            self._builder.note("ignored", f"G{code:g}")
+            self._builder.ignore(f"G{code:g}")
         elif code not in MOTION and code not in SPECIAL:
-            raise InputError(f"{self._builder.place}: unknown code G{code:g}")
+            raise InputError(f"unknown code G{code:g}")
 
     def _unit_of_lengths(self, code: int) -> None:
         """G70, G71: of lengths alone on a control of Siemens, where feeds stay in the basic unit of
@@ -260,13 +254,12 @@ class _Reader:
         self._state.set_units(code, feeds=not self._state.siemens)
         if code == 21 or self._state.unit_fixed:
             return
-        self._builder.note(
-            "assumed",
+        self._builder.assume(
             "G70 (Siemens): lengths in inch, feeds still in mm, the machine's basic unit; for both "
             "in inch G700, or --units inch"
             if self._state.siemens
             else "G70 is taken for G20, lengths and feeds in inch. On a control of Siemens feeds "
-            "stay in mm: if the file is for one, give it the ending .mpf; if not, --units inch",
+            "stay in mm: if the file is for one, give it the ending .mpf; if not, --units inch"
         )
 
     def _feed_mode(self, mode: int) -> None:
@@ -289,11 +282,8 @@ class _Reader:
         """Axis words after G80: G0 or G1 from before the cycle goes on (Fanuc)."""
         before = self._state.before_cycle
         if before is None:
-            raise InputError(
-                f"{self._builder.place}: found axis words after G80; expected G0, G1, G2, G3 or a "
-                "cycle"
-            )
-        self._builder.note("assumed", f"after G80 the motion before the cycle goes on (G{before})")
+            raise InputError("found axis words after G80; expected G0, G1, G2, G3 or a cycle")
+        self._builder.assume(f"after G80 the motion before the cycle goes on (G{before})")
         self._state.motion = before
 
     def _machine_place(self, codes: list[float], values: dict[str, float]) -> None:
@@ -310,9 +300,7 @@ class _Reader:
             state.motion = 0
             self._motion.run(values)
             state.motion = in_force
-        builder.note(
-            "assumed", "G28, G30, G53: places of the machine tool; the robot does not go there"
-        )
+        builder.assume("G28, G30, G53: places of the machine tool; the robot does not go there")
         builder.leave()
         state.lose({AXES[i] for i in named or range(3)})
         if angles := set(ROTARY) & set(values):
@@ -327,8 +315,7 @@ class _Reader:
             self._state.cycle.clear()
         if len(set(found)) > 1:
             raise InputError(
-                f"{self._builder.place}: found G{found[0]:g} and G{found[1]:g} in one block, "
-                "expected one motion"
+                f"found G{found[0]:g} and G{found[1]:g} in one block, expected one motion"
             )
         if found:
             if found[0] in {0, 1}:
@@ -341,10 +328,9 @@ class _Reader:
 
     def _move(self, values: dict[str, float]) -> None:
         state = self._state
-        builder = self._builder
         if state.feed_mode == 93 and state.motion in {1, 2, 3, 5, 5.1} and "F" not in values:
-            raise InputError(f"{builder.place}: G93 (inverse time) needs F in every cutting block")
+            raise InputError("G93 (inverse time) needs F in every cutting block")
         if state.left_turned and state.motion != 0 and not state.tool_centre:
-            raise InputError(f"{builder.place}: {LEFT_TURNED}")
+            raise InputError(f"{LEFT_TURNED}")
         self._offsets.used()
         self._motion.run(values)

@@ -62,47 +62,43 @@ class Rotary:
             )
         return cls(tuple((p.lstrip("+-"), -1.0 if p[0] == "-" else 1.0) for p in parts))
 
-    def axis(self, degrees: dict[str, float], place: str = "") -> Array:
+    def axis(self, degrees: dict[str, float]) -> Array:
         """From the tip towards the spindle, in the part, shape (3,).
 
         Raises:
             InputError: another axis than the stated ones is turned.
         """
-        return np.asarray(self.rotation(degrees, place)[:, 2])
+        return np.asarray(self.rotation(degrees)[:, 2])
 
-    def leads_to(self, normal: Array, degrees: dict[str, float], place: str) -> None:
+    def leads_to(self, normal: Array, degrees: dict[str, float]) -> None:
         """The axis is that of a tilted plane.
 
         Args:
             normal: of the plane, shape (3,).
             degrees: of each rotary axis.
-            place: file and line, for messages.
 
         Raises:
             InputError: it is another one: so are the machine's axes.
         """
-        apart = math.degrees(math.acos(min(float(self.axis(degrees, place) @ normal), 1.0)))
+        apart = math.degrees(math.acos(min(float(self.axis(degrees) @ normal), 1.0)))
         if apart > PLANE_APART_DEG:
             angles = " ".join(f"{k}{v:g}" for k, v in degrees.items() if v)
             raise InputError(
-                f"{place}: the tilted plane and its angles {angles} differ by {apart:.1f} deg with "
+                f"the tilted plane and its angles {angles} differ by {apart:.1f} deg with "
                 "the stated rotary axes: the machine has them in another order, another sign (-C), "
                 "or inclined ones, which are not read; expected others, or APT with tool axes"
             )
 
-    def rotation(self, degrees: dict[str, float], place: str = "") -> Array:
+    def rotation(self, degrees: dict[str, float]) -> Array:
         """Of the tool against the part, shape (3, 3).
 
         Raises:
             InputError: another axis than the stated ones is turned.
         """
-        before = f"{place}: " if place else ""
         known = [name for name, _ in self.order]
         others = [name for name, angle in degrees.items() if angle != 0 and name not in known]
         if others:
-            raise InputError(
-                f"{before}axis {others[0]} turns, but only {', '.join(known)} are stated"
-            )
+            raise InputError(f"axis {others[0]} turns, but only {', '.join(known)} are stated")
         R = np.eye(3)
         for name, sign in self.order:
             R = R @ rotation_about("ABC".index(name), sign * math.radians(degrees[name]))

@@ -47,7 +47,7 @@ class GcodeSplines:
         if self.open:
             self._order = 0
             raise InputError(
-                f"{self._builder.place}: G6.2 ends after {len(self._control)} points and "
+                f"G6.2 ends after {len(self._control)} points and "
                 f"{len(self._knots)} knots, expected as many knots as points and order together"
             )
         self._leaving = None
@@ -55,10 +55,9 @@ class GcodeSplines:
     def _bezier(self, code: float, values: dict[str, float], axis: Array) -> None:
         """G5 X Y I J P Q, where I J may be what the one before left; G5.1 X Y I J."""
         state = self._state
-        place = self._builder.place
         if state.plane != 17 or "Z" in values:
-            raise InputError(f"{place}: G{code:g} is a spline in the plane G17, without Z")
-        state.placed(state.at, place)
+            raise InputError(f"G{code:g} is a spline in the plane G17, without Z")
+        state.placed(state.at)
         start = np.array(state.at, dtype=float)
         target = state.target(values)
         end = np.array(target, dtype=float)
@@ -69,7 +68,7 @@ class GcodeSplines:
         inner = [start + state.unit * np.array([*first, 0.0])]
         if code == 5:
             if not {"P", "Q"} <= set(values):
-                raise InputError(f"{place}: G5 without P and Q, expected X Y I J P Q")
+                raise InputError("G5 without P and Q, expected X Y I J P Q")
             inner.append(end + state.unit * np.array([values["P"], values["Q"], 0.0]))
             self._leaving = (-values["P"], -values["Q"])
         control = np.array([start, *inner, end])
@@ -80,22 +79,21 @@ class GcodeSplines:
     def _nurbs(self, values: dict[str, float], axis: Array) -> None:
         """G6.2 P K X Y Z R, then K X Y Z R, then K alone; the tool is at the first point."""
         state = self._state
-        place = self._builder.place
         if not self.open:
             self._order = round(values.get("P", 4))
             self._knots = []
             self._control = []
             if not 2 <= self._order <= 10:
-                raise InputError(f"{place}: G6.2 P{self._order}, expected an order of 2 to 10")
+                raise InputError(f"G6.2 P{self._order}, expected an order of 2 to 10")
         if "K" not in values:
-            raise InputError(f"{place}: a block of G6.2 without K (its knot)")
+            raise InputError("a block of G6.2 without K (its knot)")
         self._knots.append(values["K"])
         if any(letter in values for letter in "XYZ"):
-            state.placed(state.at, place)
+            state.placed(state.at)
             state.at = state.target(values)
             weight = values.get("R", 1.0)
             if not weight > 0:
-                raise InputError(f"{place}: G6.2 R{weight:g}, expected a positive weight")
+                raise InputError(f"G6.2 R{weight:g}, expected a positive weight")
             p = np.array(state.at, dtype=float)
             self._control.append([*p, weight])
         if len(self._control) < self._order:
@@ -105,7 +103,7 @@ class GcodeSplines:
             self._order = 0
             knots = np.array(self._knots)
             if (np.diff(knots) < 0).any() or knots[order - 1] >= knots[-order]:
-                raise InputError(f"{place}: the knots of G6.2 do not rise")
+                raise InputError("the knots of G6.2 do not rise")
             self._follow(knots, np.array(self._control), order - 1, axis)
 
     def _follow(self, knots: Array, control: Array, degree: int, axis: Array) -> None:

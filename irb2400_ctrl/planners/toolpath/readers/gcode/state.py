@@ -97,10 +97,11 @@ class GcodeState:
         rpm = self.spindle_speed if self.turning else 0.0
         return Spindle(2 * math.pi * rpm / 60, self.clockwise)
 
-    def start_spindle(self, *, clockwise: bool) -> None:
-        """M3, M4: it turns at the speed in force, and at each that S states later."""
-        self.turning = True
-        self.clockwise = clockwise
+    def turn_spindle(self, function: int) -> None:
+        """M3, M4: at the speed in force, and at each that S states later; M5: no longer."""
+        self.turning = function != 5
+        if self.turning:
+            self.clockwise = function in {3, 13}
 
     def begin_by_length(self, *, vectors: bool = False) -> None:
         """G43.4 and G234, or G43.5 with vectors."""
@@ -220,16 +221,13 @@ class GcodeState:
     def lose(self, axes: set[str]) -> None:
         """The machine has moved these axes to a place of its own; in turned coordinates that moves
         the tool along all of theirs.
-
-        Args:
-            axes: some of X, Y, Z.
         """
         turned = not np.allclose(self.tilt[:3, :3], np.eye(3))
         for i, axis in enumerate(AXES):
             if axis in axes or (axes and turned):
                 self.at[i] = None
 
-    def placed(self, point: list[float | None] | Array, place: str) -> Array:
+    def placed(self, point: list[float | None] | Array) -> Array:
         """A place in the (tilted) work frame, in the work frame.
 
         Raises:
@@ -238,7 +236,7 @@ class GcodeState:
         missing = [AXES[i] for i in range(3) if point[i] is None]
         if missing:
             raise InputError(
-                f"{place}: a cut, but {' and '.join(missing)} of the tool is not stated yet; "
+                f"a cut, but {' and '.join(missing)} of the tool is not stated yet; "
                 "expected a G0 to a stated place before it"
             )
         p = np.array(point, dtype=float)

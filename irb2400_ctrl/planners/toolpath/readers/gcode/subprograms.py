@@ -14,6 +14,7 @@ from dataclasses import dataclass, field
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.planners.toolpath.readers.gcode.flow import COMMENT, Flow, Line
 from irb2400_ctrl.planners.toolpath.readers.gcode.macros.variables import ENTER, LEAVE, Variables
+from irb2400_ctrl.planners.toolpath.readers.unread_line import TooMuchError, UnreadLineError
 
 _NUMBERED = re.compile(r"^\s*(?:/\s*)?[O:]\s*(\d+)\s*(?:$|[(<;])", re.IGNORECASE)
 _ARCHIVE = re.compile(r"^\s*%_N_(\w+)_(MPF|SPF)\b", re.IGNORECASE)
@@ -51,7 +52,9 @@ class _Programs:
         return key if key in self.lines else None
 
 
-def in_order(text: str, name: str, variables: Variables) -> tuple[Iterator[Line], list[Line]]:
+def in_order(
+    text: str, name: str, variables: Variables
+) -> tuple[Iterator[Line | UnreadLineError], list[Line]]:
     """Lines with their numbers as the control carries them out, and what is to be noted.
 
     Args:
@@ -60,8 +63,8 @@ def in_order(text: str, name: str, variables: Variables) -> tuple[Iterator[Line]
         variables: which who takes the lines one by one sets; loops and conditions ask them.
 
     Raises:
-        InputError: no program begins; while the lines are gone through: calls within calls without
-            an end.
+        InputError: no program begins; while the lines are gone through, TooMuchError: calls
+            within calls without an end.
     """
     listed = list(enumerate(text.split("\n"), 1))
     programs = _parted(listed)
@@ -70,7 +73,7 @@ def in_order(text: str, name: str, variables: Variables) -> tuple[Iterator[Line]
         if (target := (_call(raw, programs) or ("",))[0])
     }  # fmt: skip
     if not called:
-        return Flow(listed, variables, name).lines(), []
+        return Flow(listed, variables).lines(), []
     free = [key for key in programs.lines if key not in called and programs.lines[key]]
     if not free:
         raise InputError(
@@ -88,7 +91,7 @@ def in_order(text: str, name: str, variables: Variables) -> tuple[Iterator[Line]
         for lines in programs.lines.values() for number, raw in lines
         if (found := _call(raw, programs)) is not None and found[1] == 0
     ]  # fmt: skip
-    return _Runner(programs, variables, name).run(first, 0), notes
+    return _Runner(programs, variables).run(first, 0), notes
 
 
 def _parted(listed: list[Line]) -> _Programs:
@@ -149,20 +152,24 @@ def _call(raw: str, programs: _Programs) -> tuple[str, int, str, str] | None:
 class _Runner:
     """Goes through a program and those that it calls."""
 
-    def __init__(self, programs: _Programs, variables: Variables, file: str) -> None:
+    def __init__(self, programs: _Programs, variables: Variables) -> None:
         self._programs = programs
         self._variables = variables
-        self._file = file
         self._count = 0
 
-    def run(self, name: str, depth: int) -> Iterator[Line]:
+    def run(self, name: str, depth: int) -> Iterator[Line | UnreadLineError]:
         """The lines of a program and of those that it calls."""
-        for number, raw in Flow(self._programs.lines[name], self._variables, self._file).lines():
+        for line in Flow(self._programs.lines[name], self._variables).lines():
+            if isinstance(line, UnreadLineError):
+                yield line
+                continue
+            number, raw = line
             self._count += 1
             if depth > DEEPEST or self._count > MOST_LINES:
-                raise InputError(
-                    f"{self._file}, line {number}: calls of sub-programs more than {DEEPEST} deep, "
-                    f"or more than {MOST_LINES:,} lines in all; expected calls that end"
+                raise TooMuchError(
+                    number,
+                    f"calls of sub-programs more than {DEEPEST} deep, or more than "
+                    f"{MOST_LINES:,} lines in all; expected calls that end",
                 )
             code = _code(raw)
             if _END_SUB.match(code):

@@ -55,10 +55,6 @@ class WorkOffsets:
     def select(self, codes: list[float], values: dict[str, float]) -> list[float]:
         """Take the frame that a block names; the codes that are left.
 
-        Args:
-            codes: the G codes of the block.
-            values: its words by their letter.
-
         Raises:
             InputError: a frame for this block alone, or a shift by the words of the block.
         """
@@ -67,13 +63,13 @@ class WorkOffsets:
         # beside a motion it is a frame of the control's table (802D)
         if shifts and axes and not {0, 1, 2, 3} & set(codes):
             raise InputError(
-                f"{self._builder.place}: G{min(shifts):g} with {axes[0]} is a shift of the zero on "
+                f"G{min(shifts):g} with {axes[0]} is a shift of the zero on "
                 "controls of Siemens, not a place to go to; not read, expected it as TRANS (from "
                 "the zero of G54) or ATRANS (on top of the shift in force)"
             )
         if 16 in codes and "H" in values:
             raise InputError(
-                f"{self._builder.place}: G16 H{values['H']:g} takes another work frame for one "
+                f"G16 H{values['H']:g} takes another work frame for one "
                 "block (Okuma), which is not read; expected G15 H for all that follows"
             )
         if 15 in codes and "H" in values and not _LENGTHS & set(codes):
@@ -81,13 +77,13 @@ class WorkOffsets:
             return [code for code in codes if code != 15]
         if 56 in codes and "H" in values and not _LENGTHS & set(codes):
             self._builder.set_length_offset(int(values["H"]))
-            self._builder.note("assumed", "G56 H is the tool's length offset (Okuma), not applied")
+            self._builder.assume("G56 H is the tool's length offset (Okuma), not applied")
             codes = [code for code in codes if code != 56]
         named = [code for code in codes if selects(code, siemens=self._state.siemens)]
         for code in named:
             if code in _HAAS:
                 says = f"G{code:g} is a work frame of the control (Haas)"
-                self._builder.note("assumed", says)
+                self._builder.assume(says)
             if code in _TABLE and values.get("P", 1) == 0:
                 continue
             alone = "P" in values and _LEAVES_P.issuperset(codes)
@@ -111,7 +107,7 @@ class WorkOffsets:
             used = self._used or "no stated frame"
             first = self._first or "the one in force at the start"
             raise InputError(
-                f"{self._builder.place}: {offset} after motion in {used}: how the two lie to each "
+                f"{offset} after motion in {used}: how the two lie to each "
                 "other is stored in the control, not in the file; state it "
                 f'(--work-offset "{offset}=X,Y,Z,RX,RY,RZ", in the frame of {first}), or '
                 "split the file"

@@ -13,9 +13,9 @@ import numpy as np
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.planners.toolpath.readers.expansion.drilling import MOST_STEPS, HoleCycle
 from irb2400_ctrl.planners.toolpath.readers.feed import Feed
+from irb2400_ctrl.planners.toolpath.readers.gcode.cycles import drill_along_z
 from irb2400_ctrl.planners.toolpath.readers.gcode.state import GcodeState
 from irb2400_ctrl.planners.toolpath.readers.heidenhain.machine import PlainMachine
-from irb2400_ctrl.planners.toolpath.readers.hole_moves import drill
 from irb2400_ctrl.planners.toolpath.readers.program_builder import ProgramBuilder
 
 KINDS = {
@@ -81,7 +81,7 @@ class PlainCycles:
                 automatic = word in {"AUTO", "FAUTO"} and self._machine.tool_feed is not None
                 if word == "PREDEF" or (key == "206" and not automatic):
                     raise InputError(
-                        f"{self._builder.place}: found Q{key}={word}, expected a number"
+                        f"found Q{key}={word}, expected a number"
                         + (", or FAUTO with F in TOOL CALL" if key == "206" else "")
                     )
                 if key == "206":
@@ -102,41 +102,36 @@ class PlainCycles:
         """
         state = self._state
         builder = self._builder
-        place = builder.place
         defined = self._defined
         if defined is None:
-            raise InputError(f"{place}: a cycle is called, and none is defined; expected CYCL DEF")
+            raise InputError("a cycle is called, and none is defined; expected CYCL DEF")
         if defined.number not in KINDS:
             known = ", ".join(map(str, KINDS))
             raise InputError(
-                f"{place}: {defined.name} is not read; expected one of the cycles {known}, or let "
+                f"{defined.name} is not read; expected one of the cycles {known}, or let "
                 "the CAM system write its moves"
             )
         asked_by = ASKED_BY.get(defined.number)
         asked = asked_by is None or defined.values.get(asked_by)
         if defined.number in NOT_CARRIED_OUT and asked:
-            builder.note("assumed", f"CYCL DEF {defined.number}: {NOT_CARRIED_OUT[defined.number]}")
-        cycle = self._cycle(defined, place)
+            builder.assume(f"CYCL DEF {defined.number}: {NOT_CARRIED_OUT[defined.number]}")
+        cycle = self._cycle(defined)
         x, y, _ = state.at
         surface = defined.values.get(203, 0.0) * state.unit + above
-        axis = state.tilt[:3, 2]
-        if builder.moved and not np.allclose(axis, builder.axis, atol=1e-6):
-            raise InputError(f"{place}: a cycle with the tool not along its Z")
-        drill(builder, cycle, state.placed([x, y, surface], place), axis)
-        state.at = [x, y, surface + cycle.retract]
+        drill_along_z(builder, state, cycle, (x, y, surface))
 
-    def _cycle(self, defined: Definition, place: str) -> HoleCycle:
+    def _cycle(self, defined: Definition) -> HoleCycle:
         values = defined.values
         unit = self._state.unit
         clear = values.get(200, 0.0)
         depth = -values.get(201, 0.0)
         if depth <= 0 or clear < 0:
             raise InputError(
-                f"{place}: {defined.name} with Q201={values.get(201, 0.0):g} and Q200={clear:g}; "
+                f"{defined.name} with Q201={values.get(201, 0.0):g} and Q200={clear:g}; "
                 "expected a negative depth and a positive clearance"
             )
         if defined.number == 240 and values.get(343, 0.0):
-            raise InputError(f"{place}: CYCL DEF 240 by a diameter (Q343=1); expected its depth")
+            raise InputError("CYCL DEF 240 by a diameter (Q343=1); expected its depth")
         kind = KINDS[defined.number]
         if defined.number == 203 and values.get(213, 0.0):
             kind = "chip"
@@ -148,18 +143,18 @@ class PlainCycles:
             max(values.get(204, 0.0), clear) * unit,
             tuple(step * unit for step in steps),
             values.get(211, 0.0),
-            self._feed(defined, place),
+            self._feed(defined),
             defined.name,
         )
 
-    def _feed(self, defined: Definition, place: str) -> Feed | None:
+    def _feed(self, defined: Definition) -> Feed | None:
         """Q206, or pitch times speed."""
         values = defined.values
         if defined.number in {207, 209}:
             speed = self._builder.spindle.speed / (2 * np.pi)
             if not speed or not values.get(239):
                 raise InputError(
-                    f"{place}: CYCL DEF {defined.number} without a speed of the spindle or a "
+                    f"CYCL DEF {defined.number} without a speed of the spindle or a "
                     "pitch (Q239); expected both"
                 )
             return Feed("speed", abs(values[239]) * self._state.unit * speed)
@@ -169,13 +164,7 @@ class PlainCycles:
 
 
 def _steps(values: dict[int, float], clear: float, depth: float) -> tuple[float, ...]:
-    """Q202 first, less by Q212 each time, at least Q205; the first counts from the clearance.
-
-    Args:
-        values: the cycle's Q by their numbers.
-        clear: set-up clearance.
-        depth: of the hole.
-    """
+    """Q202 first, less by Q212 each time, at least Q205; the first counts from the clearance."""
     first = values.get(202, 0.0)
     if not 0 < first < depth:
         return ()

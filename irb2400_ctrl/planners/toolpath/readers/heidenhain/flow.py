@@ -10,6 +10,7 @@ from dataclasses import replace
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.planners.toolpath.readers.heidenhain.parameters import COMPARISONS, Parameters
 from irb2400_ctrl.planners.toolpath.readers.heidenhain.statements import Statement
+from irb2400_ctrl.planners.toolpath.readers.unread_line import TooMuchError, UnreadLineError
 
 _LABEL = re.compile(r'^LBL\s+("[^"]+"|\d+)')
 _CALL = re.compile(r'^CALL\s+LBL\s+("[^"]+"|\d+)\s*(?:REP\s*\+?(\S*))?(.*)$')
@@ -26,9 +27,8 @@ DEEPEST = 20
 class Flow:
     """Goes through the blocks of a file."""
 
-    def __init__(self, listed: list[Statement], name: str) -> None:
+    def __init__(self, listed: list[Statement]) -> None:
         self._listed = listed
-        self._name = name
         self._parameters = Parameters()
         self._labels = {
             found[1]: at for at, block in enumerate(listed) if (found := _LABEL.match(block.code))
@@ -41,38 +41,35 @@ class Flow:
         self._left: dict[int, int] = {}
         """how often each repeat in hand is still to come, by its index"""
 
-    def blocks(self) -> Iterator[Statement | tuple[int, InputError]]:
+    def blocks(self) -> Iterator[Statement | UnreadLineError]:
         """As they are carried out, numbers in the place of parameters; one that cannot be read
-        comes as its line and error.
-
-        Raises:
-            InputError: blocks that call each other without an end.
-        """
+        comes as its error, and the last where blocks call each other without an end."""
         furthest = -1
         again = 0
         while self._at < len(self._listed):
             block = self._listed[self._at]
-            place = f"{self._name}, line {block.line}"
             again += self._at <= furthest
             furthest = max(self._at, furthest)
             if again > MOST_BLOCKS or len(self._returns) > DEEPEST:
-                raise InputError(
-                    f"{place}: calls of labels more than {DEEPEST} deep, or more than "
-                    f"{MOST_BLOCKS:,} blocks carried out again; expected calls and jumps that end"
+                yield TooMuchError(
+                    block.line,
+                    f"calls of labels more than {DEEPEST} deep, or more than {MOST_BLOCKS:,} "
+                    "blocks carried out again; expected calls and jumps that end",
                 )
+                return
             self._at += 1
             try:
-                steered = self._label(block) or self._call(block, place) or self._jump(block, place)
+                steered = self._label(block) or self._call(block) or self._jump(block)
                 if not steered and block.heading is not None:
                     yield block
-                elif not steered and not self._assigned(block.code, place):
-                    yield replace(block, code=self._parameters.resolve(block.code, place))
+                elif not steered and not self._assigned(block.code):
+                    yield replace(block, code=self._parameters.resolve(block.code))
             except InputError as error:
-                yield block.line, error
+                yield UnreadLineError(block.line, str(error))
             if _END.search(block.code) and block.heading is None:
                 return
 
-    def _assigned(self, code: str, place: str) -> bool:
+    def _assigned(self, code: str) -> bool:
         """Whether a block sets a parameter, and sets it.
 
         Raises:
@@ -83,9 +80,9 @@ class Flow:
         found = _SETS.match(code)
         if found and found[1] in self._of_cycle:
             raise InputError(
-                f"{place}: {found[1]} of the cycle before it is set anew; expected another CYCL DEF"
+                f"{found[1]} of the cycle before it is set anew; expected another CYCL DEF"
             )
-        return self._parameters.assign(code, place)
+        return self._parameters.assign(code)
 
     def _label(self, block: Statement) -> bool:
         found = _LABEL.match(block.code)
@@ -93,17 +90,17 @@ class Flow:
             self._at = self._returns.pop()
         return found is not None
 
-    def _call(self, block: Statement, place: str) -> bool:
+    def _call(self, block: Statement) -> bool:
         """A sub-program up to LBL 0, or the blocks from a label to here some times more."""
         found = _CALL.match(block.code)
         if found is None:
             return False
-        target = self._target(found[1], place)
+        target = self._target(found[1])
         call = self._at - 1
         times = re.fullmatch(r"(\d*)(?:/\d+)?", found[2] or "")
         if times is None or found[3].strip():
             raise InputError(
-                f"{place}: found {block.code[:30]!r}, expected CALL LBL 1, or CALL LBL 1 REP 2 "
+                f"found {block.code[:30]!r}, expected CALL LBL 1, or CALL LBL 1 REP 2 "
                 "with a whole number"
             )
         if not times[1]:
@@ -116,22 +113,22 @@ class Flow:
             self._at = target
         return True
 
-    def _jump(self, block: Statement, place: str) -> bool:
+    def _jump(self, block: Statement) -> bool:
         """FN 9 to FN 12."""
         found = _JUMP.match(block.code)
         if found is None:
             return False
-        first, second = (self._parameters.expression(found[i], place) for i in (2, 3))
+        first, second = (self._parameters.expression(found[i]) for i in (2, 3))
         if COMPARISONS[int(found[1])](first, second):
-            self._at = self._target(found[4], place)
+            self._at = self._target(found[4])
         return True
 
-    def _target(self, label: str, place: str) -> int:
+    def _target(self, label: str) -> int:
         """Behind a label.
 
         Raises:
             InputError: it is not in the file.
         """
         if label not in self._labels:
-            raise InputError(f"{place}: LBL {label} is not in the file; expected a label of it")
+            raise InputError(f"LBL {label} is not in the file; expected a label of it")
         return self._labels[label] + 1

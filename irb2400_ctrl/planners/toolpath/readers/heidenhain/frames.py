@@ -15,11 +15,11 @@ from irb2400_ctrl.planners.toolpath.readers.gcode.state import (
     ROTARY,
     GcodeState,
 )
+from irb2400_ctrl.planners.toolpath.readers.heidenhain.statements import NUMBER, as_number
 from irb2400_ctrl.planners.toolpath.readers.program_builder import ProgramBuilder
 
-_NUMBER = r"([-+]?\s*(?:\d+\.?\d*|\.\d+))"
-_ANGLE = re.compile(rf"\b(SP[ABC]|EUL(?:PR|NU|ROT)|[BN][XYZ]|[ABC])\s*{_NUMBER}")
-_SHIFT = re.compile(rf"\b(I?)([XYZ])\s*{_NUMBER}")
+_ANGLE = re.compile(rf"\b(SP[ABC]|EUL(?:PR|NU|ROT)|[BN][XYZ]|[ABC])\s*({NUMBER})")
+_SHIFT = re.compile(rf"\b(I?)([XYZ])\s*({NUMBER})")
 _UNREAD_ANGLE = re.compile(r"\b(?:SP[ABC](?!TIAL\b)|EUL(?!ER\b)|[BN][XYZ]|[ABC]\s*[-+]?\s*Q)\S*")
 _EYE = np.eye(4)
 FORMS = "PLANE SPATIAL, AXIAL, EULER and VECTOR"
@@ -48,28 +48,26 @@ class PlainFrames:
         Raises:
             InputError: a row of a table that is kept in the control, or a turned frame.
         """
-        place = self._builder.place
         found = _SHIFT.findall(code)
         if not found:
             raise InputError(
-                f"{place}: {code[:30]!r} takes its datum from a table of the control; expected "
-                "X, Y, Z"
+                f"{code[:30]!r} takes its datum from a table of the control; expected X, Y, Z"
             )
         if self._turn:
-            raise InputError(f"{place}: a datum shift in rotated coordinates (cycle 10); not read")
+            raise InputError("a datum shift in rotated coordinates (cycle 10); not read")
         tilted = not np.array_equal(self._state.plane_pose, _EYE)
-        zero = not any(float(number.replace(" ", "")) for _, _, number in found)
+        zero = not any(as_number(stated) for _, _, stated in found)
         if tilted and not self._inside and self._shift.any() and not zero:
             raise InputError(
-                f"{place}: the datum is moved in the tilted plane, and was moved before it: how "
+                "the datum is moved in the tilted plane, and was moved before it: how "
                 "the two add up is not known here; expected one of them"
             )
-        for step, letter, number in found:
+        for step, letter, stated in found:
             i = AXES.index(letter)
-            way = float(number.replace(" ", "")) * self._state.unit
+            way = as_number(stated) * self._state.unit
             self._shift[i] = self._shift[i] + way if step else way
         self._inside = tilted and bool(self._shift.any())
-        self._builder.note("assumed", "CYCL DEF 7: the datum is moved by what it states")
+        self._builder.assume("CYCL DEF 7: the datum is moved by what it states")
         self._apply()
 
     def preset(self) -> None:
@@ -78,15 +76,15 @@ class PlainFrames:
             self._shift = np.zeros(3)
             self._turn = 0.0
             self._inside = False
-            self._builder.note("assumed", "CYCL DEF 247 ends the datum shift and the rotation")
+            self._builder.assume("CYCL DEF 247 ends the datum shift and the rotation")
             self._apply()
 
     def turn(self, code: str) -> None:
         """CYCL DEF 10.1 ROT+30: about the datum, in the plane X Y."""
-        found = re.search(rf"\b(I?)ROT\s*{_NUMBER}", code)
+        found = re.search(rf"\b(I?)ROT\s*({NUMBER})", code)
         if found is None:
-            raise InputError(f"{self._builder.place}: CYCL DEF 10 without ROT; expected ROT+30")
-        angle = float(found[2].replace(" ", ""))
+            raise InputError("CYCL DEF 10 without ROT; expected ROT+30")
+        angle = as_number(found[2])
         self._turn = self._turn + angle if found[1] else angle
         self._apply()
 
@@ -97,13 +95,12 @@ class PlainFrames:
             InputError: a form that is not read, or a datum in the plane that goes.
         """
         state = self._state
-        place = self._builder.place
         form = code.split()[1] if len(code.split()) > 1 else ""
         values = self._angles(code)
         R = np.eye(3) if form == "RESET" else self._rotation(form, values)
         if self._inside:
             raise InputError(
-                f"{place}: another plane while the datum is moved in the tilted one; expected "
+                "another plane while the datum is moved in the tilted one; expected "
                 "CYCL DEF 7 with zeros before it"
             )
         X = np.eye(4)
@@ -122,10 +119,9 @@ class PlainFrames:
         state.reframe(plane_pose=X if tilted else np.eye(4))
         if stays and not tilted:
             return
-        self._builder.note(
-            "assumed",
+        self._builder.assume(
             "PLANE turns table or head, and may draw the tool back; the robot goes on at the next "
-            "stated place",
+            "stated place"
         )
         self._builder.leave()
         state.at = [None, None, None]
@@ -138,7 +134,7 @@ class PlainFrames:
         """
         if not self.turned:
             raise InputError(
-                f"{self._builder.place}: a cut in a tilted plane (STAY) that the tool is not "
+                "a cut in a tilted plane (STAY) that the tool is not "
                 "turned to, or turned to a plane that was left (RESET STAY) or by TX, TY, TZ "
                 "before M129; expected TURN, or a block with A, B, C before it"
             )
@@ -149,17 +145,15 @@ class PlainFrames:
         Raises:
             InputError: a word that sounds like an angle and is none that is read.
         """
-        found = {key: float(n.replace(" ", "")) for key, n in _ANGLE.findall(code)}
+        found = {key: as_number(n) for key, n in _ANGLE.findall(code)}
         rest = _ANGLE.sub(" ", code)
         if wrong := _UNREAD_ANGLE.search(rest):
             raise InputError(
-                f"{self._builder.place}: found {wrong[0]!r} in PLANE, expected words such as "
-                "SPB+30 or EULNU+30"
+                f"found {wrong[0]!r} in PLANE, expected words such as SPB+30 or EULNU+30"
             )
         return found
 
     def _rotation(self, form: str, values: dict[str, float]) -> Array:
-        place = self._builder.place
         if form == "SPATIAL":
             # about the fixed axes x, y, z one after another
             return _turned("ZYX", [values.get(f"SP{axis}", 0.0) for axis in "CBA"])
@@ -167,8 +161,8 @@ class PlainFrames:
             return _turned("ZXZ", [values.get(f"EUL{name}", 0.0) for name in ("PR", "NU", "ROT")])
         if form == "AXIAL":
             if self._rotary is None:
-                raise InputError(f"{place}: PLANE AXIAL: {REFUSAL}")
-            return self._rotary.rotation({axis: values.get(axis, 0.0) for axis in "ABC"}, place)
+                raise InputError(f"PLANE AXIAL: {REFUSAL}")
+            return self._rotary.rotation({axis: values.get(axis, 0.0) for axis in "ABC"})
         if form == "VECTOR" and {"NX", "NY", "NZ", "BX", "BY", "BZ"} <= set(values):
             z = np.array([values[f"N{axis}"] for axis in AXES])
             x = np.array([values[f"B{axis}"] for axis in AXES])
@@ -176,7 +170,7 @@ class PlainFrames:
             x = x - (x @ z) * z
             x = x / np.linalg.norm(x)
             return np.stack([x, np.cross(z, x), z], axis=1)
-        raise InputError(f"{place}: PLANE {form} is not read; expected {FORMS}")
+        raise InputError(f"PLANE {form} is not read; expected {FORMS}")
 
     def _apply(self) -> None:
         moved = np.eye(4)

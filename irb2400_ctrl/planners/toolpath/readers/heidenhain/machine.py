@@ -56,12 +56,10 @@ class PlainMachine:
         builder = self._builder
         found = _TOOL.match(code)
         if found is None:
-            builder.note("ignored", "TOOL DEF: the magazine only")
+            builder.ignore("TOOL DEF: the magazine only")
             return
         if found[2] and found[2] != "Z":
-            raise InputError(
-                f"{builder.place}: TOOL CALL with the tool axis {found[2]}; expected Z"
-            )
+            raise InputError(f"TOOL CALL with the tool axis {found[2]}; expected Z")
         if found[1]:
             self.named(apart=True)
             numbered = found[1][0] != '"'
@@ -74,7 +72,7 @@ class PlainMachine:
             self.tool_feed = float(feed[1])
             builder.feed = self._state.feed(self.tool_feed)
         if any(float(number) for number in _LONGER.findall(found[3])):
-            builder.note("assumed", "DL, DR of TOOL CALL: the tool's oversize is not applied")
+            builder.assume("DL, DR of TOOL CALL: the tool's oversize is not applied")
 
     def _change(self, tool: Tool) -> None:
         """To another tool; a call of the one in the spindle lets it turn on."""
@@ -88,7 +86,7 @@ class PlainMachine:
     def feed(self, number: float) -> Feed:
         """F in the unit in force; InputError where it is negative."""
         if number < 0:
-            raise InputError(f"{self._builder.place}: F{number:g}, expected a positive feed")
+            raise InputError(f"F{number:g}, expected a positive feed")
         return self._state.feed(number)
 
     def before(self, functions: list[int]) -> None:
@@ -96,7 +94,7 @@ class PlainMachine:
         builder = self._builder
         for function in functions:
             if function in {3, 4, 13, 14}:
-                self._state.start_spindle(clockwise=function in {3, 13})
+                self._state.turn_spindle(function)
                 builder.set_spindle(self._state.spindle)
                 if function > 4:
                     builder.set_coolant("flood")
@@ -108,16 +106,16 @@ class PlainMachine:
                 self._per_turn(function == 136)
                 builder.feed = Feed()
             elif function in FEEDS:
-                builder.note("assumed", f"M{function}: {FEEDS[function]}")
+                builder.assume(f"M{function}: {FEEDS[function]}")
             elif function not in {5, 9, 129, 140, *STOPS, *QUIET}:
-                builder.note("assumed", f"M{function}: a function of the machine, not carried out")
+                builder.assume(f"M{function}: a function of the machine, not carried out")
 
     def after(self, functions: list[int]) -> None:
         """What acts at its end."""
         builder = self._builder
         for function in functions:
             if function == 5:
-                self._state.turning = False
+                self._state.turn_spindle(function)
                 builder.set_spindle(self._state.spindle)
             elif function == 9:
                 builder.set_coolant("off")
@@ -127,7 +125,7 @@ class PlainMachine:
     def _per_turn(self, on: bool) -> None:
         if on and self._state.unit == INCH:
             raise InputError(
-                f"{self._builder.place}: M136 in a program in INCH: whether F counts inches or "
+                "M136 in a program in INCH: whether F counts inches or "
                 "their tenths per turn is not known here; expected FU"
             )
         self._state.feed_mode = 95 if on else 94

@@ -65,7 +65,7 @@ class PlainMotion:
         Raises:
             InputError: words that are not read, or contradict each other.
         """
-        words = words_of(code, self._builder.place)
+        words = words_of(code)
         if order == "CC":
             self._centre(words)
             return
@@ -101,22 +101,18 @@ class PlainMotion:
     def call_at(self, code: str) -> None:
         """CYCL CALL POS X Y Z: the cycle at X, Y, with the datum moved by Z along the tool's axis.
 
-        Args:
-            code: what stands behind POS.
-
         Raises:
             InputError: not all three places, or other axes.
         """
-        place = self._builder.place
-        words = words_of(code, place)
+        words = words_of(code)
         values = self._values("L", words)
         if set(AXES) != set(values):
-            raise InputError(f"{place}: CYCL CALL POS {code[:30]}, expected X, Y and Z")
+            raise InputError(f"CYCL CALL POS {code[:30]}, expected X, Y and Z")
         self._machine.before(words.functions)
         self._machine.named(apart=True)
         self.offsets.used()
         if values["Z"]:
-            self._builder.note("assumed", "CYCL CALL POS: Z moves the surface (Q203) of the hole")
+            self._builder.assume("CYCL CALL POS: Z moves the surface (Q203) of the hole")
         state = self._state
         target = state.target(values)
         state.at = [*target[:2], state.at[2]]
@@ -137,57 +133,51 @@ class PlainMotion:
         builder = self._builder
         if words.feed == "AUTO":
             if self._machine.tool_feed is None:
-                raise InputError(f"{builder.place}: F AUTO without F in TOOL CALL; expected F")
+                raise InputError("F AUTO without F in TOOL CALL; expected F")
             builder.feed = self._machine.feed(self._machine.tool_feed)
         elif "F" in words.numbers:
             builder.feed = self._machine.feed(words.numbers["F"])
         elif "FU" in words.numbers:
             builder.feed = Feed("turn", words.numbers["FU"] * self._state.unit)
         elif {"FZ", "FT"} & set(words.numbers):
-            raise InputError(f"{builder.place}: a feed per tooth or by a time; expected F or FU")
+            raise InputError("a feed per tooth or by a time; expected F or FU")
         if words.compensated:
             self._compensated = "" if words.compensated == "R0" else words.compensated
 
     def _none_of_others(self, order: str, words: Words) -> None:
         """Words that only another kind of block knows.
 
-        Args:
-            order: of the block.
-            words: of the block.
-
         Raises:
             InputError: there is one, and no one says where it leads.
         """
-        place = self._builder.place
         wrong = set(words.numbers) & _ONLY_OTHERS[order if order in _ONLY_OTHERS else "L"]
         if wrong:
             raise InputError(
-                f"{place}: found {min(wrong)} in a block {order or 'M'}, which it is no word of; "
+                f"found {min(wrong)} in a block {order or 'M'}, which it is no word of; "
                 "expected PR and PA in LP, PA in CP, R in CR"
             )
         if 130 in words.functions and not np.allclose(self._state.plane_pose, np.eye(4)):
             raise InputError(
-                f"{place}: M130 states a place in the untilted coordinates within a tilted plane; "
+                "M130 states a place in the untilted coordinates within a tilted plane; "
                 "not read, expected PLANE RESET before it"
             )
 
     def _values(self, order: str, words: Words) -> dict[str, float]:
         """Places and axes in the words of the G-code reader."""
-        place = self._builder.place
         values, across = words.tool_axis(order, tool_centre=self._state.tool_centre)
         if across:
-            self._builder.note("assumed", across)
+            self._builder.assume(across)
         for letter, number in words.numbers.items():
             step = letter.startswith("I")
             axis = letter[1:] if step else letter
             if axis in (*AXES, *ROTARY):
                 if axis in values:
-                    raise InputError(f"{place}: found {axis} and I{axis} in one block")
+                    raise InputError(f"found {axis} and I{axis} in one block")
                 values[axis] = number
                 if step:
                     values[f"{axis}IC"] = 1.0
             elif axis in "UVW":
-                raise InputError(f"{place}: found the axis {axis}, which is not read")
+                raise InputError(f"found the axis {axis}, which is not read")
         if order in {"CP", "LP"}:
             self._polar(order, words, values)
         return values
@@ -206,11 +196,10 @@ class PlainMotion:
         if not values:
             return
         if self._compensated:
-            raise InputError(f"{builder.place}: {self._compensated} is {RADIUS}; not read")
+            raise InputError(f"{self._compensated} is {RADIUS}; not read")
         if set(VECTOR.values()) & set(values) and not state.tool_centre:
             raise InputError(
-                f"{builder.place}: TX, TY, TZ without M128 or FUNCTION TCPM; expected one of them "
-                "before it"
+                "TX, TY, TZ without M128 or FUNCTION TCPM; expected one of them before it"
             )
         alone = bool(turned) and not set(values) & {*AXES, *VECTOR.values()}
         rapid = words.feed == "MAX" or (alone and not state.tool_centre)
@@ -219,7 +208,7 @@ class PlainMotion:
         self._machine.named(apart=self._rapid)
         if order in {"C", "CR", "CP"}:
             if rapid:
-                raise InputError(f"{builder.place}: an arc at FMAX, expected a feed")
+                raise InputError("an arc at FMAX, expected a feed")
             self._turning = words.turning or self._turning
             state.motion = 3 if self._turning > 0 else 2
             values |= self._arc(order, words, values)
@@ -231,16 +220,10 @@ class PlainMotion:
         self._rapid = rapid
 
     def _arc(self, order: str, words: Words, values: dict[str, float]) -> dict[str, float]:
-        """Centre or radius, and turns, in the words of the G-code reader.
-
-        Args:
-            order: C, CR or CP.
-            words: of the block.
-            values: its places.
-        """
+        """Centre or radius, and turns, in the words of the G-code reader."""
         if order == "CR":
             if "R" not in words.numbers:
-                raise InputError(f"{self._builder.place}: CR without R; expected its radius")
+                raise InputError("CR without R; expected its radius")
             # a pole in another plane is none of this arc
             named = set(AXES) & set(values)
             across = named == {"Y", "Z"}, named == {"X", "Z"}
@@ -267,25 +250,16 @@ class PlainMotion:
                 self._pole[axis] = words.numbers[axis]
             elif f"I{axis}" in words.numbers or axis not in self._pole:
                 if here is None:
-                    raise InputError(
-                        f"{self._builder.place}: CC from where the tool is, and its {axis} is not "
-                        "stated yet"
-                    )
+                    raise InputError(f"CC from where the tool is, and its {axis} is not stated yet")
                 self._pole[axis] = here / state.unit + words.numbers.get(f"I{axis}", 0.0)
 
     def _centre_of(self) -> dict[str, float]:
         if not self._pole:
-            raise InputError(f"{self._builder.place}: an arc without its centre; expected CC")
+            raise InputError("an arc without its centre; expected CC")
         return self._pole
 
     def _polar(self, order: str, words: Words, values: dict[str, float]) -> None:
-        """PR and PA about the pole, as places of the plane's axes.
-
-        Args:
-            order: CP or LP.
-            words: of the block.
-            values: get the places.
-        """
+        """PR and PA about the pole, as places of the plane's axes in `values`."""
         state = self._state
         pole = self._centre_of()
         first, second, _ = PLANES[state.plane]
@@ -299,7 +273,7 @@ class PlainMotion:
         known = u is not None and v is not None
         stated_alone = order == "LP" and {"PR", "PA"} <= set(stated)
         if not (known or stated_alone):
-            raise InputError(f"{self._builder.place}: a polar step from a place that is not stated")
+            raise InputError("a polar step from a place that is not stated")
         radius = math.hypot(u or 0.0, v or 0.0)
         angle = math.degrees(math.atan2(v or 0.0, u or 0.0))
         if order == "LP":
@@ -308,7 +282,7 @@ class PlainMotion:
         if step is not None and order == "CP":
             if words.turning and words.turning * step < 0:
                 raise InputError(
-                    f"{self._builder.place}: IPA{step:+g} and DR{'+' if words.turning > 0 else '-'}"
+                    f"IPA{step:+g} and DR{'+' if words.turning > 0 else '-'}"
                     " turn against each other; expected the same sign"
                 )
             self._turning = math.copysign(1.0, step)
@@ -319,9 +293,7 @@ class PlainMotion:
     def _machine_place(self, values: dict[str, float]) -> None:
         """M91, M92: a place of the machine tool."""
         state = self._state
-        self._builder.note(
-            "assumed", "M91, M92: places of the machine tool; the robot does not go there"
-        )
+        self._builder.assume("M91, M92: places of the machine tool; the robot does not go there")
         self._builder.leave()
         state.lose({axis for axis in AXES if axis in values})
         for axis in set(ROTARY) & set(values):
@@ -336,7 +308,7 @@ class PlainMotion:
             state.motion = 0
             self.motion.run({"Z": way, "ZIC": 1.0})
         else:
-            self._builder.note("assumed", "M140 MB MAX: up to the machine's limit; left out")
+            self._builder.assume("M140 MB MAX: up to the machine's limit; left out")
             self._builder.leave()
             state.at = [None, None, None] if state.tool_centre else [*state.at[:2], None]
         self._rapid = True

@@ -8,7 +8,7 @@ import re
 from collections.abc import Callable
 
 from irb2400_ctrl.errors import InputError
-from irb2400_ctrl.planners.toolpath.readers.gcode.macros.expressions import EVERYWHERE
+from irb2400_ctrl.planners.toolpath.readers.gcode.macros.expressions import EVERYWHERE, Expression
 
 _FN = re.compile(r"^FN\s*(\d+)\s*:\s*(.*)$")
 _SET = re.compile(r"^(Q[LR]?\d+)\s*=\s*(.*)$")
@@ -47,7 +47,7 @@ class Parameters:
     def __init__(self) -> None:
         self._known: dict[str, float] = {}
 
-    def resolve(self, code: str, place: str) -> str:
+    def resolve(self, code: str) -> str:
         """A block with numbers in the place of parameters.
 
         Raises:
@@ -57,21 +57,21 @@ class Parameters:
         def number(found: re.Match[str]) -> str:
             if found[2] in PLANE_ANGLES and found[2] not in self._known:
                 return found[0]
-            value = self.value(found[2], place)
+            value = self.value(found[2])
             return f"{-value if found[1] == '-' else value:+.9f}"
 
         return _USED.sub(number, code)
 
-    def value(self, name: str, place: str) -> float:
+    def value(self, name: str) -> float:
         """What the file has set it to."""
         if name not in self._known:
             raise InputError(
-                f"{place}: found {name}, which the file does not set before; what the control or "
+                f"found {name}, which the file does not set before; what the control or "
                 "the operator sets is not known, write the number"
             )
         return self._known[name]
 
-    def assign(self, code: str, place: str) -> bool:
+    def assign(self, code: str) -> bool:
         """Carry out a block that sets a parameter; whether it is one.
 
         Raises:
@@ -85,26 +85,27 @@ class Parameters:
             return True
         if found is None or (numbered and int(numbered[1]) not in ARITHMETIC):
             raise InputError(
-                f"{place}: {code[:30]!r} asks or tells the control; of FN 0 to 7 and 9 to 12 and "
+                f"{code[:30]!r} asks or tells the control; of FN 0 to 7 and 9 to 12 and "
                 "formulas are read: let the CAM system write numbers"
             )
-        self._known[found[1]] = self.expression(found[2].replace("DIV", "/"), place)
+        self._known[found[1]] = self.expression(found[2].replace("DIV", "/"))
         return True
 
-    def expression(self, text: str, place: str) -> float:
+    def expression(self, text: str) -> float:
         """The value of a formula."""
-        return _Formula(text, self, place).value()
+        return _Formula(text, self).value()
 
 
-class _Formula:
+class _Formula(Expression):
     """Reads one."""
 
-    def __init__(self, text: str, parameters: Parameters, place: str) -> None:
-        self._text = text
+    POWER = "^"
+    TIMES = ("*", "/")
+
+    def __init__(self, text: str, parameters: Parameters) -> None:
+        super().__init__(text, 0, {})
         self._parameters = parameters
-        self._place = place
         self._tokens: list[str] = []
-        self._depth = 0
         at = 0
         while text[at:].strip():
             token = _TOKEN.match(text, at)
@@ -115,55 +116,30 @@ class _Formula:
 
     def value(self) -> float:
         """All of it."""
-        found = self._sum()
+        found = self.sum()
         if self._tokens:
             raise self._wrong()
         return found
 
-    def _sum(self) -> float:
-        value = self._product()
-        while self._next() in {"+", "-"}:
-            sign = self._take()
-            other = self._product()
-            value = value + other if sign == "+" else value - other
-        return value
-
-    def _product(self) -> float:
-        value = self._power()
-        while self._next() in {"*", "/"}:
-            sign = self._take()
-            other = self._power()
-            if sign == "/" and other == 0:
-                raise InputError(f"{self._place}: a division by zero in {self._text.strip()!r}")
-            value = value * other if sign == "*" else value / other
-        return value
-
-    def _power(self) -> float:
-        value = self._single()
-        if self._next() == "^":
-            self._take()
-            value = self._finite(lambda: value ** self._single())
-        return value
-
-    def _single(self) -> float:
+    def signed(self) -> float:
         self._depth += 1
         token = self._take()
         if self._depth > DEEPEST:
             raise self._wrong()
         if token in {"+", "-"}:
-            value = self._single()
+            value = self.signed()
             value = -value if token == "-" else value
         elif token == "(":
-            value = self._sum()
+            value = self.sum()
             if self._take() != ")":
                 raise self._wrong()
         elif token in FUNCTIONS:
-            argument = self._single()
+            argument = self.signed()
             value = self._finite(lambda: FUNCTIONS[token](argument))
         elif token == "PI":
             value = math.pi
         elif token[0] == "Q" and token[-1].isdigit():
-            value = self._parameters.value(token, self._place)
+            value = self._parameters.value(token)
         elif token[0] in ".0123456789":
             value = float(token)
         else:
@@ -171,17 +147,8 @@ class _Formula:
         self._depth -= 1
         return value
 
-    def _finite(self, compute: Callable[[], float | complex]) -> float:
-        try:
-            value = compute()
-        except (ValueError, OverflowError, ZeroDivisionError):
-            value = math.nan
-        if isinstance(value, complex) or not math.isfinite(value):
-            raise InputError(f"{self._place}: {self._text.strip()!r} has no finite value")
-        return value
-
-    def _next(self) -> str:
-        return self._tokens[0] if self._tokens else ""
+    def _taken(self, *texts: str) -> str | None:
+        return self._take() if self._tokens and self._tokens[0] in texts else None
 
     def _take(self) -> str:
         if not self._tokens:
@@ -190,6 +157,6 @@ class _Formula:
 
     def _wrong(self) -> InputError:
         return InputError(
-            f"{self._place}: {self._text.strip()[:30]!r} is no formula that is read; expected "
+            f"{self._code.strip()[:30]!r} is no formula that is read; expected "
             "numbers, Q parameters, + - * / ^, brackets and functions such as COS"
         )

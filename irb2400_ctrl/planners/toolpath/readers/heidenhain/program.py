@@ -14,13 +14,18 @@ from irb2400_ctrl.planners.toolpath.readers.gcode.state import GcodeState
 from irb2400_ctrl.planners.toolpath.readers.heidenhain.flow import Flow
 from irb2400_ctrl.planners.toolpath.readers.heidenhain.machine import PlainMachine
 from irb2400_ctrl.planners.toolpath.readers.heidenhain.motion import PlainMotion
-from irb2400_ctrl.planners.toolpath.readers.heidenhain.statements import Statement, statements
+from irb2400_ctrl.planners.toolpath.readers.heidenhain.statements import (
+    NUMBER,
+    Statement,
+    as_number,
+    statements,
+)
 from irb2400_ctrl.planners.toolpath.readers.program_builder import ProgramBuilder
+from irb2400_ctrl.planners.toolpath.readers.unread_line import UnreadLineError
 
 _MOVES = re.compile(r"^(LN|LP|L|CC|CR|CP|C)(?=\s|$)\s*(.*)$")
 _CYCLE = re.compile(r"^CYCLE?\s+DEF\s*(\d+)(?:\s*\.(\d+))?\s*(.*)$")
 _CALL = re.compile(r"^CYCLE?\s+CALL\s*(POS|PAT|M(?=\d))?\s*(.*)$")
-_NUMBER = re.compile(r"[-+]?\s*(?:\d+\.?\d*|\.\d+)")
 QUIET_CYCLES = {13: "orientation of the spindle", 32: "tolerance", 332: "tolerance"}
 MAKERS_END = 800
 """from here on cycles turn and mill where they are called"""
@@ -48,7 +53,6 @@ UNREAD = {
 
 def read_heidenhain(
     text: str,
-    name: str,
     builder: ProgramBuilder,
     units: str | None = None,
     rotary: str | None = None,
@@ -58,7 +62,6 @@ def read_heidenhain(
 
     Args:
         text: of the file.
-        name: of the file, for messages.
         builder: that takes the moves.
         units: unit of length, against BEGIN PGM.
         rotary: the machine's rotary axes from part to tool, such as "C,A".
@@ -68,16 +71,11 @@ def read_heidenhain(
         InputError: a block that is not read, with its line.
     """
     reader = _Reader(builder, units, None if rotary is None else Rotary.of(rotary), frames)
-    for found in Flow(statements(text), name).blocks():
-        if isinstance(found, tuple):
-            builder.line = found[0]
-            builder.failed(found[1])
-            continue
-        builder.line = found.line
-        try:
-            reader.block(found)
-        except InputError as error:
-            builder.failed(error)
+    for block in Flow(statements(text)).blocks():
+        with builder.reading(block.line):
+            if isinstance(block, UnreadLineError):
+                raise block
+            reader.block(block)
     return builder.finish("Heidenhain", reader.unit_name(), True)
 
 
@@ -111,13 +109,13 @@ class _Reader:
         builder = self._builder
         code = block.code
         if block.optional:
-            builder.note("assumed", "blocks behind / are carried out")
+            builder.assume("blocks behind / are carried out")
         if block.heading is not None:
             self._machine.heading(block.heading)
         elif code.startswith("BEGIN PGM"):
             self._begin(code)
         elif code.startswith(("END PGM", "BLK FORM")):
-            builder.note("ignored", code[:8])
+            builder.ignore(code[:8])
         elif code.startswith("TOOL"):
             self._machine.tool(code)
         elif code.startswith("CYCL"):
@@ -136,23 +134,21 @@ class _Reader:
         else:
             word = re.split(r"[^A-Z]", code)[0]
             why = UNREAD.get(word, "not known")
-            raise InputError(f"{builder.place}: found {code[:30]!r}: {why}; not read")
+            raise InputError(f"found {code[:30]!r}: {why}; not read")
 
     def _begin(self, code: str) -> None:
         """BEGIN PGM NAME MM, or INCH, where feeds are in tenths of an inch."""
         state = self._state
         unit = code.split()[-1]
         if unit not in {"MM", "INCH", "IN"} and not self._units:
-            raise InputError(
-                f"{self._builder.place}: found {code!r}, expected BEGIN PGM, a name, and MM or INCH"
-            )
+            raise InputError(f"found {code!r}, expected BEGIN PGM, a name, and MM or INCH")
         inch = unit in {"INCH", "IN"}
         state.unit = LENGTHS[self._units] if self._units else (INCH if inch else MM)
         state.feed_unit = state.unit
         state.unit_stated = True
         if inch and not self._units:
             state.feed_unit = 0.1 * INCH
-            self._builder.note("assumed", "a program in INCH: feeds are in tenths of inch/min")
+            self._builder.assume("a program in INCH: feeds are in tenths of inch/min")
 
     def _cycle(self, code: str) -> None:
         builder = self._builder
@@ -161,9 +157,7 @@ class _Reader:
             return
         found = _CYCLE.match(code)
         if found is None:
-            raise InputError(
-                f"{builder.place}: found {code[:30]!r}, expected CYCL DEF or CYCL CALL"
-            )
+            raise InputError(f"found {code[:30]!r}, expected CYCL DEF or CYCL CALL")
         number = int(found[1])
         part = found[2]
         rest = found[3]
@@ -182,23 +176,23 @@ class _Reader:
             self._state.work_offset = f"preset {row[1] if row else '?'}"
             self._motion.frames.preset()
         elif number in QUIET_CYCLES:
-            builder.note("ignored", f"CYCL DEF {number}: {QUIET_CYCLES[number]}")
+            builder.ignore(f"CYCL DEF {number}: {QUIET_CYCLES[number]}")
         elif number in REFUSED:
             if number != 8 or rest:
                 raise InputError(
-                    f"{builder.place}: CYCL DEF {number} is {REFUSED[number]}; not read, let the "
+                    f"CYCL DEF {number} is {REFUSED[number]}; not read, let the "
                     "CAM system write the moves"
                 )
         elif 300 <= number < MAKERS_END:
             says = f"CYCL DEF {number}: a cycle of the machine's maker, not carried out"
-            builder.note("assumed", says)
+            builder.assume(says)
         elif part in {None, "0"}:
             self._motion.cycles.define(number, rest)
 
     def _called(self, how: str, rest: str) -> None:
         if how == "PAT":
             raise InputError(
-                f"{self._builder.place}: CYCL CALL PAT takes its places from a table or pattern; "
+                "CYCL CALL PAT takes its places from a table or pattern; "
                 "not read, let the CAM system write a block for each"
             )
         if how == "POS":
@@ -209,16 +203,16 @@ class _Reader:
             self._motion.run("", f"M{rest}")
 
     def _dwell(self, rest: str) -> None:
-        found = _NUMBER.search(rest)
+        found = re.search(NUMBER, rest)
         if found is None:
-            raise InputError(f"{self._builder.place}: CYCL DEF 9.1 without a time")
-        self._builder.dwell(abs(float(found[0].replace(" ", ""))))
+            raise InputError("CYCL DEF 9.1 without a time")
+        self._builder.dwell(abs(as_number(found[0])))
 
     def _tilt(self, rest: str) -> None:
         """CYCL DEF 19.1: angles in space or of the axes, as a setting of the control says."""
-        if any(float(n.replace(" ", "")) for n in _NUMBER.findall(rest)):
+        if any(as_number(n) for n in re.findall(NUMBER, rest)):
             raise InputError(
-                f"{self._builder.place}: CYCL DEF 19.1 {rest[:30]}: whether these are angles in "
+                f"CYCL DEF 19.1 {rest[:30]}: whether these are angles in "
                 "space or of the axes is set in the control; expected PLANE SPATIAL"
             )
         self._motion.frames.plane("PLANE RESET STAY")
@@ -231,7 +225,7 @@ class _Reader:
         elif re.match(r"FUNCTION\s+TCPM", code):
             if "CENTER-CENTER" in code:
                 raise InputError(
-                    f"{self._builder.place}: REFPNT CENTER-CENTER: places of the ball's centre, "
+                    "REFPNT CENTER-CENTER: places of the ball's centre, "
                     "whose radius the control knows; expected those of the tip"
                 )
             state.tool_centre = True
@@ -240,6 +234,6 @@ class _Reader:
             space = re.search(r"AXIS\s+SPAT", code)
             self._motion.motion.steer(Rotary.of("C,B,A") if space else self._rotary)
         elif re.match(r"FUNCTION\s+(MODE\s+MILL|PROG\s+PATH|FEED|S-PULSE|DCM|COUNT)", code):
-            self._builder.note("ignored", code[:30])
+            self._builder.ignore(code[:30])
         else:
-            raise InputError(f"{self._builder.place}: found {code[:30]!r}, which is not read")
+            raise InputError(f"found {code[:30]!r}, which is not read")

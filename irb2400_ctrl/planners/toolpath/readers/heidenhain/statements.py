@@ -8,6 +8,7 @@ import re
 from dataclasses import dataclass, replace
 
 _NUMBER = re.compile(r"^\s*(/?)\s*(?:\d+(?![\d.,]))?\s*(/?)\s*")
+NUMBER = r"[-+]?\s*(?:\d+\.?\d*|\.\d+)"
 _HEADING = re.compile(r"^\*\s*-?\s*")
 _DEFINES = re.compile(r"^CYCLE?\s+DEF\s*[2-9]\d\d(?![\d.])")
 # Q of cycles are those from 200 on
@@ -34,6 +35,11 @@ class Statement:
         return self.text[found.end() :].strip() if found else None
 
 
+def as_number(text: str) -> float:
+    """Of a `NUMBER`: blanks may stand behind its sign."""
+    return float(text.replace(" ", ""))
+
+
 def statements(text: str) -> list[Statement]:
     """All blocks that hold anything."""
     found: list[Statement] = []
@@ -45,17 +51,17 @@ def statements(text: str) -> list[Statement]:
         parts.append(raw.rstrip().removesuffix("~").split(";")[0])
         if goes_on:
             continue
-        number = _NUMBER.match(parts[0])
+        begins = _NUMBER.match(parts[0])
         # a comment that goes on is one in the next line, too
-        only_comment = number is not None and not parts[0][number.end() :].strip()
+        only_comment = begins is not None and not parts[0][begins.end() :].strip()
         joined = "" if only_comment and len(parts) > 1 else " ".join(parts)
         parts = []
-        number = _NUMBER.match(joined)
-        code = joined[number.end() :].strip() if number else joined.strip()
+        begins = _NUMBER.match(joined)
+        code = joined[begins.end() :].strip() if begins else joined.strip()
         if code:
-            skipped = number is not None and "/" in number.groups()
+            skipped = begins is not None and "/" in begins.groups()
             block = Statement(first, _COMMA.sub(".", code.upper()), code, skipped)
-            numbered = number is not None and number[0].strip(" \t/") != ""
+            numbered = begins is not None and begins[0].strip(" \t/") != ""
             if found and not numbered and _goes_on(found[-1], block):
                 parts_of_it = (f"{found[-1].code} {block.code}", f"{found[-1].text} {block.text}")
                 found[-1] = replace(found[-1], code=parts_of_it[0], text=parts_of_it[1])

@@ -6,11 +6,11 @@ import re
 from dataclasses import dataclass, field
 
 from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.planners.toolpath.readers.heidenhain.statements import NUMBER
 
-_NUMBER = r"[-+]?\s*(?:\d+\.?\d*|\.\d+)"
 _WORD = re.compile(
     r"\s*(?:(?P<alone>F\s*MAX|F\s*AUTO|R0(?![\d.])|RL|RR|DR[+-](?![\d.])|MB\s*MAX)"
-    rf"|(?P<letter>I?[XYZABCUVW]|I?P[AR]|[NT][XYZ]|F[UZT]?|MB|LA|R|M)\s*(?P<number>{_NUMBER}"
+    rf"|(?P<letter>I?[XYZABCUVW]|I?P[AR]|[NT][XYZ]|F[UZT]?|MB|LA|R|M)\s*(?P<number>{NUMBER}"
     r"|[-+]?\s*Q12[012]))"
 )
 # the F and the LA behind these functions are theirs
@@ -56,12 +56,8 @@ class Words:
         return values, ACROSS if across and values else ""
 
 
-def words_of(code: str, place: str) -> Words:
+def words_of(code: str) -> Words:
     """The words behind the order of a block, or of a block of M functions.
-
-    Args:
-        code: of the block, without the order.
-        place: for messages.
 
     Raises:
         InputError: what is no word, a word twice.
@@ -72,8 +68,7 @@ def words_of(code: str, place: str) -> Words:
         word = _WORD.match(code, at)
         if word is None:
             raise InputError(
-                f"{place}: found {code[at:].strip()[:30]!r}, expected words such as X+10, R0, "
-                "FMAX, M3"
+                f"found {code[at:].strip()[:30]!r}, expected words such as X+10, R0, FMAX, M3"
             )
         at = word.end()
         if word["alone"]:
@@ -92,7 +87,7 @@ def words_of(code: str, place: str) -> Words:
         elif _owned(letter, found.functions):
             continue
         elif letter in found.numbers:
-            raise InputError(f"{place}: found {letter} twice in one block, expected it once")
+            raise InputError(f"found {letter} twice in one block, expected it once")
         else:
             found.numbers[letter] = value
     return found

@@ -57,7 +57,10 @@ def _like(result: float, *operands: float) -> float:
 class Expression:
     """Reads one from a place on; `at` is where it ends."""
 
-    def __init__(self, code: str, at: int, known: dict[str, float], place: str) -> None:
+    POWER = "**"
+    TIMES: tuple[str, ...] = ("*", "/", "MOD")
+
+    def __init__(self, code: str, at: int, known: dict[str, float]) -> None:
         self._code = code
         self.at = at
         self.siemens = False
@@ -65,7 +68,6 @@ class Expression:
         self.in_word = False
         """the value is the number of a word such as X"""
         self._known = known
-        self._place = place
         self._depth = 0
 
     def sum(self) -> float:
@@ -74,7 +76,7 @@ class Expression:
         while sign := self._taken("+", "-"):
             other = self._product()
             value = _like(value + other if sign == "+" else value - other, value, other)
-        return self._finite(value)
+        return self._finite(lambda: value)
 
     def signed(self) -> float:
         """One number with its sign: a variable, a bracket, a function."""
@@ -110,11 +112,11 @@ class Expression:
 
     def _product(self) -> float:
         value = self._power()
-        while sign := self._taken("*", "/", "MOD"):
+        while sign := self._taken(*self.TIMES):
             value = self.plain(value)
             other = self.plain(self._power())
             if sign != "*" and other == 0:
-                raise InputError(f"{self._place}: a division by zero in {self._code.strip()!r}")
+                raise InputError(f"a division by zero in {self._code.strip()!r}")
             if sign == "MOD" and min(value, other) < 0:
                 raise self._by_control("MOD of a negative number")
             results = {"*": lambda a, b: a * b, "/": lambda a, b: a / b, "MOD": math.fmod}
@@ -123,14 +125,16 @@ class Expression:
 
     def _power(self) -> float:
         value = self.signed()
-        if self._taken("**") is None:
+        if self._taken(self.POWER) is None:
             return value
-        return self._finite(self.plain(value) ** self.plain(self.signed()))
+        base = self.plain(value)
+        exponent = self.plain(self.signed())
+        return self._finite(lambda: base**exponent)
 
     def _single(self) -> float:
         self._depth += 1
         if self._depth > DEEPEST:
-            raise InputError(f"{self._place}: brackets more than {DEEPEST} deep")
+            raise InputError(f"brackets more than {DEEPEST} deep")
         value = self._value()
         self._depth -= 1
         return value
@@ -167,7 +171,7 @@ class Expression:
             return self._by_range(name, angle)
         self._expect("]")
         if name not in FUNCTIONS:
-            raise InputError(f"{self._place}: found the function {name}, which is not read")
+            raise InputError(f"found the function {name}, which is not read")
         if name in {"FIX", "FUP"} and value < 0 and value != math.trunc(value):
             raise self._by_control(f"{name} of a negative number")
         if name == "ROUND" and self.in_word and not self.siemens and value != math.trunc(value):
@@ -178,7 +182,7 @@ class Expression:
         try:
             return self._by_range(name, FUNCTIONS[name](value))
         except (ValueError, OverflowError) as error:
-            raise InputError(f"{self._place}: {name} of {value:g}: {error}") from error
+            raise InputError(f"{name} of {value:g}: {error}") from error
 
     def _by_range(self, name: str, value: float) -> float:
         """An angle below zero is one from 180 to 360 deg on some controls of Fanuc."""
@@ -202,7 +206,7 @@ class Expression:
         if name not in self._known:
             shown = f"#{name}" if name[0] in "0123456789<" else name
             raise InputError(
-                f"{self._place}: found {shown}, which the file does not set before; what the "
+                f"found {shown}, which the file does not set before; what the "
                 "control or the operator sets is not known, write the number"
             )
         return self._known[name]
@@ -230,17 +234,19 @@ class Expression:
 
     def _wrong(self) -> InputError:
         rest = self._code[self.at :].strip()[:20]
-        return InputError(
-            f"{self._place}: found {rest!r} in an expression, expected a number, a variable or [ ]"
-        )
+        return InputError(f"found {rest!r} in an expression, expected a number, a variable or [ ]")
 
     def _by_control(self, what: str) -> InputError:
         return InputError(
-            f"{self._place}: {what}, which controls calculate in different ways; expected another "
+            f"{what}, which controls calculate in different ways; expected another "
             f"way to write {self._code.strip()[:30]!r}"
         )
 
-    def _finite(self, value: float | complex) -> float:
+    def _finite(self, compute: Callable[[], float | complex]) -> float:
+        try:
+            value = compute()
+        except (ValueError, OverflowError, ZeroDivisionError):
+            value = math.nan
         if isinstance(value, complex) or not math.isfinite(value):
-            raise InputError(f"{self._place}: {self._code.strip()!r} has no finite value")
+            raise InputError(f"{self._code.strip()!r} has no finite value")
         return value

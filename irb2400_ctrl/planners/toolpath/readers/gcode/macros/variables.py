@@ -52,13 +52,12 @@ class Variables:
         self._names: set[str] = set()
         """those that DEF states"""
 
-    def scope(self, order: str, place: str) -> None:
+    def scope(self, order: str) -> None:
         """A sub-program of LinuxCNC begins, with its arguments as #1 … #30, or ends: those and
         #<names> without _ are its own, and the caller's come back.
 
         Args:
             order: `ENTER` with `[…][…]` behind it, or `LEAVE`.
-            place: for messages.
 
         Raises:
             InputError: an argument that is no expression.
@@ -69,61 +68,59 @@ class Variables:
             self._known = shared | self._callers.pop()
             return
         self._callers.append({name: self._known[name] for name in own})
-        given = self._arguments(order.removeprefix(ENTER).upper(), place)
+        given = self._arguments(order.removeprefix(ENTER).upper())
         given += [0.0] * (MOST_ARGUMENTS - len(given))
         self._known = shared | {str(number): value for number, value in enumerate(given, 1)}
 
-    def value(self, code: str, place: str) -> float:
+    def value(self, code: str) -> float:
         """An expression, such as a condition in brackets: 1 where it holds.
 
         Args:
             code: upper case, without comments.
-            place: for messages.
 
         Raises:
             InputError: a variable that is not set, or no expression.
         """
-        reader = self._expression(code, 0, place)
+        reader = self._expression(code, 0)
         found = reader.signed()
         if code[reader.at :].strip():
-            raise InputError(f"{place}: found {code.strip()[:30]!r}, expected one condition")
+            raise InputError(f"found {code.strip()[:30]!r}, expected one condition")
         return found
 
-    def _expression(self, code: str, at: int, place: str) -> Expression:
-        found = Expression(code, at, self._known, place)
+    def _expression(self, code: str, at: int) -> Expression:
+        found = Expression(code, at, self._known)
         found.siemens = self._siemens
         return found
 
-    def _arguments(self, code: str, place: str) -> list[float]:
+    def _arguments(self, code: str) -> list[float]:
         found = []
         at = 0
         while code[at:].strip():
-            reader = self._expression(code, at, place)
+            reader = self._expression(code, at)
             found.append(reader.bracket())
             at = reader.at
         return found
 
-    def resolve(self, code: str, place: str) -> str:
+    def resolve(self, code: str) -> str:
         """The code of a line with numbers in the place of variables; assignments are kept and taken
         out.
 
         Args:
             code: upper case, without comments.
-            place: for messages.
 
         Raises:
             InputError: a variable that is not set, an expression that is none.
         """
         if defined := _DEFINED.match(code):
-            return self._define(code[defined.end() :], place)
+            return self._define(code[defined.end() :])
         if not ("#" in code or "[" in code or "=" in code) or _FLOW.search(code):
             return code
         if "<_HAL[" in code:
             raise InputError(
-                f"{place}: found #<_hal[…]>, a value of the control, which is not in the file; "
+                "found #<_hal[…]>, a value of the control, which is not in the file; "
                 "write the number"
             )
-        code = self._assigned(code, place)
+        code = self._assigned(code)
         out = ""
         at = 0
         while at < len(code):
@@ -135,7 +132,7 @@ class Variables:
                 out += code[at]
                 at += 1
                 continue
-            reader = self._expression(code, found.end(), place)
+            reader = self._expression(code, found.end())
             reader.in_word = True
             value = reader.sum() if equals or found.group(2) else reader.signed()
             if found.group(1) not in ROTARY:
@@ -144,17 +141,17 @@ class Variables:
             at = reader.at
         return out
 
-    def _assigned(self, code: str, place: str) -> str:
+    def _assigned(self, code: str) -> str:
         while found := _SET.match(code) or self._name_set(code):
-            reader = self._expression(code, found.end(), place)
+            reader = self._expression(code, found.end())
             name = next(name for name in found.groups() if name)
             if name.isdecimal() and (acts := self._acts(int(name))):
-                raise InputError(f"{place}: #{name}= {acts}; not read")
+                raise InputError(f"#{name}= {acts}; not read")
             self._known[name] = reader.sum()
             code = code[reader.at :]
             if re.search(rf"#\s*{name}(?!\d)", code):
                 raise InputError(
-                    f"{place}: #{name} is set and used in one block, where some controls take the "
+                    f"#{name} is set and used in one block, where some controls take the "
                     "value from before it; expected two blocks"
                 )
         return code
@@ -173,11 +170,11 @@ class Variables:
         found = _EQUALS_NAME.match(code, at) if self._names else None
         return found if found and found.group(2) in self._names else None
 
-    def _define(self, text: str, place: str) -> str:
+    def _define(self, text: str) -> str:
         """DEF REAL a, b=2: what is set is kept, the others are not known yet."""
         for part in text.split(","):
             name, equals, _ = part.partition("=")
             self._names.add(name.strip())
             if equals:
-                self._assigned(part, place)
+                self._assigned(part)
         return ""

@@ -6,36 +6,33 @@ from collections.abc import Sequence
 from contextlib import suppress
 
 from irb2400_ctrl.errors import InfeasibleError
-from irb2400_ctrl.planners.enclosure.path_dynamics import PathDynamics
 from irb2400_ctrl.planners.redundancy.wrist_remedies import (
     Remedy,
     damped,
     of_choice,
     turned_about_axis,
 )
+from irb2400_ctrl.planners.timing.path_timer import PathTimer
 from irb2400_ctrl.planners.timing.task_path import TaskPath
-from irb2400_ctrl.planners.timing.time_choices import TimedChoice, fastest
-from irb2400_ctrl.planners.timing.timing_options import TimingOptions
+from irb2400_ctrl.planners.timing.time_choices import TimedChoice
 from irb2400_ctrl.planners.toolpath.orientation import Orientation
 
 
 def price_remedies(
-    dynamics: PathDynamics,
+    timer: PathTimer,
     orientation: Orientation,
     timed: Sequence[TimedChoice],
     chosen: TimedChoice,
     axis_tolerance: float,
-    options: TimingOptions,
 ) -> list[Remedy]:
     """The cheapest of each kind of remedy, for a path that comes close to the wrist singularity.
 
     Args:
-        dynamics: the arm's torque along the path.
+        timer: of the paths.
         orientation: of the tool along the path.
         timed: choices that have a motion.
         chosen: the one that was taken.
         axis_tolerance: by which the tool axis may lean [rad].
-        options: of the timing.
     """
     passing = chosen.choice.passing
     if passing is None or not passing.passages:
@@ -47,18 +44,18 @@ def price_remedies(
             continue
         if remedy.name not in best or remedy.duration < best[remedy.name].duration:
             best[remedy.name] = remedy
-    model = dynamics.model
+    model = timer.dynamics.model
     for choice, angle in turned_about_axis(model, orientation):
         followed = choice.followed
         with suppress(InfeasibleError):
-            path = TaskPath.of(dynamics.model, orientation, followed)
-            duration = fastest(dynamics, path, options).duration
+            path = TaskPath.of(model, orientation, followed)
+            duration = timer.fastest(path).duration
             name = f"turn the tool about its axis ({choice.kind})"
             best[name] = Remedy(name, duration, followed.error, angle, False)
     with suppress(InfeasibleError):
         followed = damped(model, orientation, chosen.path.followed)
-        path = TaskPath.of(dynamics.model, orientation, followed)
-        duration = fastest(dynamics, path, options).duration
+        path = TaskPath.of(model, orientation, followed)
+        duration = timer.fastest(path).duration
         name = "damped least squares"
         best[name] = Remedy(name, duration, followed.error, followed.axis_error, False)
     return sorted(best.values(), key=lambda remedy: remedy.duration)
