@@ -21,7 +21,7 @@ from irb2400_ctrl.diagnosis.estimation.reversals import noisy_reversals_masked, 
 from irb2400_ctrl.diagnosis.findings import findings_of, unexplained_of
 from irb2400_ctrl.diagnosis.load_test import moved_as_by_a_load
 from irb2400_ctrl.diagnosis.log_errors import log_errors
-from irb2400_ctrl.diagnosis.numbers import numbers
+from irb2400_ctrl.diagnosis.numbers import friction_level, numbers
 from irb2400_ctrl.diagnosis.possible_bodies import (
     IMPOSSIBLE,
     turns_impossible,
@@ -267,6 +267,7 @@ def _concluded(
     slow = [f"too slow in this log for much to be said: {numbered('joint', idle)}"] if idle else []
     weak = [*motion.from_measured, *slow, *motion.remarks]
     weak += [said for effect in fit.effects if (said := effect.mistaken_for)]
+    weak += [said] if (said := friction_level(prior, fit)) else []
     counts = np.ones(motion.n, dtype=bool)
     if change:
         reference = given.model_copy(update={"effects": effects})
