@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import lru_cache
 
@@ -52,6 +52,10 @@ from irb2400_ctrl.system import free_memory
 from irb2400_ctrl.typed import typed
 from irb2400_ctrl.wording import numbered
 
+ONCE = (
+    "joint {joint}: what is left goes with {law}, but seconds that were not fitted are predicted "
+    "no better with that: it is seldom in this log, or something else; record more of it"
+)
 COMMON_FRICTION = 0.3
 """standard deviation of the friction of all joints together, over the file's: temperature"""
 BYTES_PER_ROW = 4e5
@@ -161,15 +165,23 @@ def _searched(
     if bent:
         numbers = tuple(one for one in numbers if one.list == "lacks")
         weak = (*weak, BENT)
-    return replace(
+    found = replace(
         found,
         numbers=numbers,
-        weak=weak,
         logs=each,
         left_out=logs.left_out,
         noise=noise,
         nameless=selection.nameless,
     )
+    return replace(found, weak=(*weak, *_seldom(found, selection.seldom)))
+
+
+def _seldom(found: Diagnosis, laws: Mapping[int, str]) -> list[str]:
+    """A sentence for each joint of which no more is known than a law that unseen rows did not bear
+    out; `laws` by joint."""
+    told = [one.joint for one in found.unexplained]
+    joints = [j for j in found.beyond_noise if j in laws and j not in told]
+    return [ONCE.format(joint=j, law=laws[j]) for j in joints]
 
 
 def _has_room(motion: PreparedLog) -> None:

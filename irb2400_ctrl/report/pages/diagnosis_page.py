@@ -301,10 +301,7 @@ def lines(diagnosis: Diagnosis) -> list[str]:
     found = [f"verdict: {diagnosis.verdict}. {verdict_sentence(diagnosis)}"]
     found += [f"  {line}" for line in _why(diagnosis)]
     found += list_lines(diagnosis)
-    found += [
-        f"unexplained: joint {u.joint}, {u.rmse:.2f} Nm rms, depends on {', '.join(u.depends_on)}"
-        for u in diagnosis.unexplained
-    ]
+    found += [f"unexplained: {rest.line}" for rest in diagnosis.unexplained]
     found += [f"note: {remark}" for remark in diagnosis.weak]
     if len(diagnosis.logs) > 1:
         used = sum(log.used for log in diagnosis.logs)
