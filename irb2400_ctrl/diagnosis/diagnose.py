@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import lru_cache
 
@@ -16,6 +16,7 @@ from irb2400_ctrl.diagnosis.comparison.scan import Scan
 from irb2400_ctrl.diagnosis.comparison.selection import Selection
 from irb2400_ctrl.diagnosis.comparison.step import Step, of_the_whole_arm
 from irb2400_ctrl.diagnosis.diagnosis import Comparison, Diagnosis
+from irb2400_ctrl.diagnosis.doubts import seldom_met, suspected
 from irb2400_ctrl.diagnosis.estimation.fit import Fit, Fitter
 from irb2400_ctrl.diagnosis.estimation.reversals import noisy_reversals_masked, reversal_rows
 from irb2400_ctrl.diagnosis.findings import findings_of, unexplained_of
@@ -52,10 +53,6 @@ from irb2400_ctrl.system import free_memory
 from irb2400_ctrl.typed import typed
 from irb2400_ctrl.wording import numbered
 
-ONCE = (
-    "joint {joint}: what is left goes with {law}, but seconds that were not fitted are predicted "
-    "no better with that: it is seldom in this log, or something else; record more of it"
-)
 COMMON_FRICTION = 0.3
 """standard deviation of the friction of all joints together, over the file's: temperature"""
 BYTES_PER_ROW = 4e5
@@ -172,16 +169,9 @@ def _searched(
         left_out=logs.left_out,
         noise=noise,
         nameless=selection.nameless,
+        findings=suspected(found.findings) if selection.unsettled else found.findings,
     )
-    return replace(found, weak=(*weak, *_seldom(found, selection.seldom)))
-
-
-def _seldom(found: Diagnosis, laws: Mapping[int, str]) -> list[str]:
-    """A sentence for each joint of which no more is known than a law that unseen rows did not bear
-    out; `laws` by joint."""
-    told = [one.joint for one in found.unexplained]
-    joints = [j for j in found.beyond_noise if j in laws and j not in told]
-    return [ONCE.format(joint=j, law=laws[j]) for j in joints]
+    return replace(found, weak=(*weak, *seldom_met(found, selection.seldom)))
 
 
 def _has_room(motion: PreparedLog) -> None:

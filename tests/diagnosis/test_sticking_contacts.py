@@ -188,3 +188,6 @@ def test_a_search_that_ends_before_it_settled_says_so() -> None:
     log = log_of({6: 12e-3})
     found = diagnose(ROBOT, log, criteria=Criteria(most_looks=1))
     assert UNSETTLED in found.weak
+    # "take what is said for a suspicion", and a heavier link beside it was 85 % sure
+    assert found.findings
+    assert all(one.confidence <= 0.5 for one in found.findings)

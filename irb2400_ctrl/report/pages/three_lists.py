@@ -252,7 +252,7 @@ def body_lines(entry: Entry) -> list[str]:
             continue
         for name, body in (
             ("with the arm's bodies uncertain", finding.body.robust),
-            ("with the arm's bodies taken as true", finding.body.given_bodies),
+            ("were the file's bodies exact, ± of the noise alone", finding.body.given_bodies),
         ):
             mass = with_error(body.mass, body.errors[0])
             centre = ", ".join(
