@@ -160,7 +160,6 @@ def _searched(
     numbers = (*found.numbers, *moved_as_by_a_load(scan, fitter, fit, change))
     weak = (*logs.remarkable, *found.weak, *resting.remarks, *selection.remarks)
     if bent:
-        numbers = tuple(one for one in numbers if one.list == "lacks")
         weak = (*weak, BENT)
     found = replace(
         found,
@@ -169,8 +168,8 @@ def _searched(
         left_out=logs.left_out,
         noise=noise,
         nameless=selection.nameless,
-        findings=suspected(found.findings) if selection.unsettled else found.findings,
     )
+    found = suspected(found, bent, selection.unsettled)
     return replace(found, weak=(*weak, *seldom_met(found, selection.seldom)))
 
 

@@ -3,11 +3,10 @@ seldom."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import replace
 
 from irb2400_ctrl.diagnosis.diagnosis import Diagnosis
-from irb2400_ctrl.diagnosis.finding import Finding
 
 ONCE = (
     "joint {joint}: what is left goes with {law}, but seconds that were not fitted are predicted "
@@ -18,12 +17,24 @@ SUSPECTED = 0.5
 chatters and a load that leaks, two were right"""
 
 
-def suspected(findings: Sequence[Finding]) -> tuple[Finding, ...]:
-    """Findings of a search that did not settle: none is sure, but of what every robot has."""
-    return tuple(
+def suspected(found: Diagnosis, bent: bool, unsettled: bool) -> Diagnosis:
+    """Without numbers of the robot, and with no name that is sure, but of what every robot has.
+
+    Args:
+        found: what the log says; bent: whether what has no name is of the whole arm, so that the
+            numbers are.
+        unsettled: whether the search for names did not settle.
+    """
+    if bent or unsettled:
+        lacks = tuple(one for one in found.numbers if one.list == "lacks")
+        found = replace(found, numbers=lacks)
+    if not unsettled:
+        return found
+    findings = tuple(
         one if one.list == "lacks" else replace(one, confidence=min(one.confidence, SUSPECTED))
-        for one in findings
+        for one in found.findings
     )
+    return replace(found, findings=findings)
 
 
 def seldom_met(found: Diagnosis, laws: Mapping[int, str]) -> list[str]:
