@@ -16,12 +16,13 @@ from irb2400_ctrl.diagnosis.comparison.scan import Scan
 from irb2400_ctrl.diagnosis.comparison.selection import Selection
 from irb2400_ctrl.diagnosis.comparison.step import Step, of_the_whole_arm
 from irb2400_ctrl.diagnosis.diagnosis import Comparison, Diagnosis
+from irb2400_ctrl.diagnosis.doubts import seldom_met, suspected
 from irb2400_ctrl.diagnosis.estimation.fit import Fit, Fitter
 from irb2400_ctrl.diagnosis.estimation.reversals import noisy_reversals_masked, reversal_rows
 from irb2400_ctrl.diagnosis.findings import findings_of, unexplained_of
 from irb2400_ctrl.diagnosis.load_test import moved_as_by_a_load
 from irb2400_ctrl.diagnosis.log_errors import log_errors
-from irb2400_ctrl.diagnosis.numbers import numbers
+from irb2400_ctrl.diagnosis.numbers import friction_level, numbers
 from irb2400_ctrl.diagnosis.possible_bodies import (
     IMPOSSIBLE,
     turns_impossible,
@@ -159,17 +160,17 @@ def _searched(
     numbers = (*found.numbers, *moved_as_by_a_load(scan, fitter, fit, change))
     weak = (*logs.remarkable, *found.weak, *resting.remarks, *selection.remarks)
     if bent:
-        numbers = tuple(one for one in numbers if one.list == "lacks")
         weak = (*weak, BENT)
-    return replace(
+    found = replace(
         found,
         numbers=numbers,
-        weak=weak,
         logs=each,
         left_out=logs.left_out,
         noise=noise,
         nameless=selection.nameless,
     )
+    found = suspected(found, bent, selection.unsettled)
+    return replace(found, weak=(*weak, *seldom_met(found, selection.seldom)))
 
 
 def _has_room(motion: PreparedLog) -> None:
@@ -267,6 +268,7 @@ def _concluded(
     slow = [f"too slow in this log for much to be said: {numbered('joint', idle)}"] if idle else []
     weak = [*motion.from_measured, *slow, *motion.remarks]
     weak += [said for effect in fit.effects if (said := effect.mistaken_for)]
+    weak += [said] if (said := friction_level(prior, fit)) else []
     counts = np.ones(motion.n, dtype=bool)
     if change:
         reference = given.model_copy(update={"effects": effects})

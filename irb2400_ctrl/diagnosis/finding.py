@@ -146,6 +146,14 @@ class Unexplained:
     description: str
     curve: Curve
 
+    @property
+    def line(self) -> str:
+        """For a terminal, with what it looks like: a vibration and its frequency."""
+        signals = ", ".join(self.depends_on)
+        return (
+            f"joint {self.joint}, {self.rmse:.2f} Nm rms, depends on {signals} ({self.description})"
+        )
+
     def to_json(self) -> dict[str, Any]:
         """As in findings.json."""
         return {

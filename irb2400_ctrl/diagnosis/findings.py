@@ -30,6 +30,8 @@ from irb2400_ctrl.measurement.prepared_log import PreparedLog
 
 ACTS = 1e-3
 """share of its most on one joint from which an effect acts on another"""
+FRICTIONS = ("friction", "viscosity")
+"""first words of laws without a name that turn over with the direction"""
 ALIKE = 0.8
 """share of a stated effect's torque along that of another from which it passes for that"""
 
@@ -173,7 +175,9 @@ def unexplained_of(
         candidate: Candidate = first.candidate
         # on the rows that count for the errors: where friction turns over a law says anything
         counts = motion.at_rows(motion.known[:, joint - 1].astype(float))
-        signal = candidate.depends_on[0] if candidate.depends_on[0] in UNITS else "time"
+        turned = candidate.name.startswith(FRICTIONS)
+        signal = next(s for s in candidate.depends_on if not (turned and s == "qd"))
+        signal = signal if signal in UNITS else "time"
         found.append(
             Unexplained(
                 joint=joint,
@@ -181,7 +185,9 @@ def unexplained_of(
                 rmse=float(np.sqrt(counts @ torque**2 / max(counts.sum(), 1.0))),
                 confidence=confidence(first),
                 description=candidate.name,
-                curve=binned_curve(motion, load, joint - 1, signal, torque, residual),
+                curve=binned_curve(
+                    motion, load, joint - 1, signal, torque, residual, turned=turned
+                ),
             )
         )
     return tuple(found)

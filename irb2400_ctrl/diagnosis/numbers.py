@@ -37,6 +37,7 @@ IDENTIFY = (
 )
 LOAD = "load_kg"
 """on the flange, beyond the tool's mass: what all numbers together moved as (`load_test.py`)"""
+BENDS = "viscous_power"
 FRICTION = {"coulomb_Nm": 1, "viscous_Nms_rad": 2, "static_Nm": 0}
 """column of `Robot.friction` by name, in the order of the base"""
 
@@ -99,13 +100,19 @@ def numbers(
         # from the reference's own number, whatever friction may do from day to day
         believed = np.maximum(np.linalg.norm(prior.known[:k], axis=1), 1e-9)
         believed = np.hypot(believed, error)
+    else:
+        z = z - prior.together(z)
     names = _names(robot)
     known = np.array([_stated(robot, place, name) for place, name in names])
     values = _values(robot), _values(after)
     moved = np.abs(z) / believed
+    # of a friction that bends with speed this is the straight part alone
+    bent = {f"joint {effect.joint}" for effect in fit.effects if effect.kind == BENDS}
     found = []
     for i, (place, name) in enumerate(names):
         if name == "static_Nm" or sigmas[i] == 0.0:
+            continue
+        if known[i] and name == "viscous_Nms_rad" and place in bent:
             continue
         size = float(error[i] * sigmas[i])
         before, now = (float(v[i]) for v in values)
@@ -123,6 +130,25 @@ def numbers(
             signed = float(np.sign(z[i]) * moved[i])
             found.append(Number(which, place, name, before, now, size, signed))
     return tuple(found)
+
+
+def friction_level(prior: AnyPrior, fit: Fit) -> str:
+    """A sentence where the friction of all joints together is at another level than the file's;
+    empty where it is not, or where each joint's own is known from a reference."""
+    if isinstance(prior, IdentifiedPrior):
+        return ""
+    n = prior.robot.n
+    change = prior.sigmas() * prior.together(prior.deviations(fit.z))
+    by = change[-3 * n : -n].reshape(2, n)
+    known = np.where(by != 0.0, prior.robot.friction.T[1:3], 0.0)
+    levels = by.sum(axis=1) / np.maximum(known.sum(axis=1), 1e-12)
+    if np.abs(levels).max() < LEAST_FRICTION:
+        return ""
+    dry, viscous_level = (f"{100.0 * level:+.0f} %" for level in levels)
+    return (
+        f"friction of all joints together against the file's: dry {dry}, viscous {viscous_level}, "
+        "as a colder or a warmer arm has it; no joint by itself"
+    )
 
 
 def off_bodies(numbers: Sequence[Number]) -> str:

@@ -7,10 +7,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.arrays import Array, Mask
 from irb2400_ctrl.effects.base import STANDARD_GRAVITY
 from irb2400_ctrl.plausibility.criteria import sound
-from irb2400_ctrl.plausibility.evidence import Nominal
+from irb2400_ctrl.plausibility.evidence import Account, Nominal
 from irb2400_ctrl.plausibility.rows import Rows
 
 FORCE = 0.5
@@ -22,6 +22,8 @@ BLOCK = 0.25
 PER_BLOCK = 0.25
 """twice the log evidence that it must bring there"""
 ROUNDS = 8
+PARTS = 5
+"""of a log, of which each run is where it may act at first"""
 
 
 def pushed(nominal: Nominal, rows: Rows, columns: tuple[Array, Array]) -> bool:
@@ -35,10 +37,14 @@ def pushed(nominal: Nominal, rows: Rows, columns: tuple[Array, Array]) -> bool:
     """
     wrenches = _wrenches(nominal, rows)
     block = (np.arange(len(rows.q)) * rows.seconds / len(rows.q) / BLOCK).astype(np.intp)
-    acts = np.ones(block[-1] + 1, dtype=bool)
+
+    def beside(acts: Mask) -> Account:
+        return nominal.account(rows, columns, wrenches * acts[block][:, None, None])
+
+    acts = min(_stretches(block[-1] + 1), key=lambda acts: beside(acts).fit.cost)
     for _ in range(ROUNDS):
         on = acts[block][:, None]
-        account = nominal.account(rows, columns, wrenches * on[:, :, None])
+        account = beside(acts)
         torque = (wrenches @ account.numbers) * account.weight
         without = account.rest + torque * on
         gained = np.sum(without**2 - (without - torque) ** 2, axis=1)
@@ -47,6 +53,17 @@ def pushed(nominal: Nominal, rows: Rows, columns: tuple[Array, Array]) -> bool:
             break
         acts = again
     return sound(account.fit, nominal.robot.n)
+
+
+def _stretches(blocks: int) -> list[Mask]:
+    """Every run of parts of a log, as blocks in which the force acts: one that acts for half of a
+    log is not found from one that always does."""
+    place = np.arange(blocks) * PARTS // blocks
+    return [
+        (place >= first) & (place < last)
+        for first in range(PARTS)
+        for last in range(first + 1, PARTS + 1)
+    ]
 
 
 def _wrenches(nominal: Nominal, rows: Rows) -> Array:

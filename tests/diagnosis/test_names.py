@@ -95,6 +95,12 @@ def test_friction_of_a_cold_arm_is_recalibrated_and_is_no_effect() -> None:
     assert not off_bodies(found.numbers)
     ratio = found.robot.friction[:3, 1] / found.given.friction[:3, 1]
     np.testing.assert_allclose(ratio, 1.3, atol=0.15)
+    # twelve numbers stood under "special": "other arms of this type do not have it"
+    assert not [one for one in found.numbers if one.place.startswith("joint")]
+    (said,) = [note for note in found.weak if note.startswith("friction of all joints together")]
+    assert "dry +" in said
+    own = diagnose(frictions(1.0), sound())
+    assert not [note for note in own.weak if "friction of all joints" in note]
 
 
 def test_numbers_further_off_than_stated_are_no_effect() -> None:

@@ -41,3 +41,5 @@ def test_refused_laws_of_many_joints_leave_a_name_its_turn(
     monkeypatch.setattr(RATHER_WIDER, lambda *given: None)
     steps, _ = selection.run()
     assert [s.candidate.kind for s in steps] == found
+    # a stop that the log met three times was 32 Nm rms without a word of the angle
+    assert sorted(selection.seldom) == [1, 2, 3, 4, 5]

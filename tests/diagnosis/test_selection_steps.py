@@ -23,6 +23,7 @@ def bare(**given: Any) -> Any:
     usual: dict[str, Any] = {
         "criteria": Criteria(),
         "refused": set(),
+        "seldom": {},
         "looks": 0,
         "nameless": None,
         "_weighty": lambda steps, fit: (steps, fit),

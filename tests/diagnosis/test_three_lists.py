@@ -255,6 +255,15 @@ def test_the_next_motion_is_for_the_robot_that_was_given(robot: str, said: str) 
     assert said in html.unescape(page.html())
 
 
+def test_what_is_no_fault_is_drawn_last() -> None:
+    """Six rotors, a law each, stood before the ripple that the page is about."""
+    rotors = [finding("rotor_inertia", joint, 0.5) for joint in (1, 2)]
+    page = Page("any")
+    _add_findings(page, diagnosis(*rotors, finding("gear_ripple", 4, 0.1)), "irb2400")
+    text = page.html()
+    assert 0 < text.index("gear_ripple on joint 4") < text.index("rotor_inertia on joint 1")
+
+
 def test_of_rotors_alone_nothing_special_is_told() -> None:
     """Every sound arm whose file has no rotors was told that something is missing."""
 

@@ -66,6 +66,29 @@ def test_a_force_at_the_tool_makes_no_other_robot_of_an_arm(
     assert not found.reading.kind
 
 
+def test_a_cut_of_half_a_slow_motion_is_found_too() -> None:
+    """Of a milling program that cuts from 5 to 21 s of 29 the search began with a force that always
+    acts, and ended there: "another robot"."""
+    time = np.arange(0.0, 29.0, 0.01)
+    drawn = np.random.default_rng(0)
+    rates = 2.0 * np.pi * drawn.uniform(0.03, 0.2, 6)
+    sizes = np.radians(drawn.uniform(5.0, 25.0, 6))
+    phase = rates * time[:, None] + drawn.uniform(0.0, 6.0, 6)
+    q = np.radians([0.0, 20.0, 20.0, -60.0, 80.0, -100.0]) + sizes * np.sin(phase)
+    qd = sizes * rates * np.cos(phase)
+    force = LIBRARY["process_force"].of(None, force_x_N=-60.0, force_y_N=75.0, force_z_N=-105.0)
+    acts = (time >= 5.0) & (time < 21.0)
+    free, cut = (
+        Model(robot).inverse_dynamics(q, qd, -sizes * rates**2 * np.sin(phase))
+        for robot in (ROBOT, ROBOT.with_effects(force))
+    )
+    noise = np.random.default_rng(1).normal(size=q.shape) * [1.0, 1.0, 0.6, 0.1, 0.15, 0.06]
+    found = understand(ROBOT, Log(time, q, np.where(acts[:, None], cut, free) + noise))
+    assert found is not None
+    assert found.labelled.price > LOST_PRICE
+    assert found.problem is None
+
+
 def test_it_is_said() -> None:
     when, what = check_log(ROBOT, log("half", 200.0)).remarks
     assert "does not go with the rest of the log" in when

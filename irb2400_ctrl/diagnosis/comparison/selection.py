@@ -51,6 +51,8 @@ class Selection:
         self.fitter = fitter
         self.criteria = Criteria() if criteria is None else criteria
         self.refused: set[Name] = set()
+        self.seldom: dict[int, str] = {}
+        """flexible laws by joint that unseen rows did not bear out"""
         self.looks = 0
         self.nameless: int | None = None
         """joint (from 1) with much that no name says, for which lesser names were taken back"""
@@ -110,6 +112,8 @@ class Selection:
             if not self.acceptance.bears_out(further, there, len(steps)):
                 # the next best is tried instead
                 self.refused.add(named(step.candidate))
+                if not step.candidate.known and step.candidate.joint:
+                    self.seldom[step.candidate.joint] = step.candidate.name
                 continue
             steps = further if len(further) == 1 else self._exchanged(further)
             ground = self._beside([s.candidate for s in steps])

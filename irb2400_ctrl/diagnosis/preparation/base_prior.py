@@ -144,6 +144,21 @@ class BasePrior:
         """Fitted z in data-sheet standard deviations from the file's values, shape (k,)."""
         return np.asarray(self.root @ z)
 
+    def together(self, deviations: Array) -> Array:
+        """Part of each deviation that is a friction of all joints at another level, shape (k,).
+
+        Of d = own + c t with own and c standard normal, c is expected to be t d / (1 + t t).
+        """
+        sigmas = self.sigmas()
+        known = np.where(self.robot.friction_known, self.robot.friction, 0.0)
+        n = self.robot.n
+        found = np.zeros(len(sigmas))
+        for kind in (1, 2):
+            place = len(sigmas) + np.arange(n) + n * (kind - 4)
+            t = self.common_friction * known[:, kind] / sigmas[place]
+            found[place] = t * (t @ deviations[place]) / (1.0 + t @ t)
+        return found
+
     def columns(self, model: Model, motion: PreparedLog) -> Array:
         """d tau / d z along the motion, shape (m, n, k) [Nm]."""
         columns = self.number_columns(model, motion)

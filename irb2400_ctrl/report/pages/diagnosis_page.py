@@ -166,9 +166,17 @@ def add_diagnosis(
 
 
 def _add_findings(page: Page, diagnosis: Diagnosis, robot: str) -> None:
-    """Each effect on its own: its law on the log, its numbers, what it may be instead."""
+    """What has no name, then each effect on its own in the order of the lists: its law on the log,
+    its numbers, what it may be instead."""
+    for rest in diagnosis.unexplained:
+        page.heading(f"Joint {rest.joint}: unexplained")
+        page.figure(
+            curve_figure(rest.curve, "generic form"),
+            "What is left, over the signal that orders it best.",
+        )
+    order = list(LISTS)
     other = "" if robot == "irb2400" else f" --robot {shlex.quote(robot)}"
-    for finding in diagnosis.findings:
+    for finding in sorted(diagnosis.findings, key=lambda one: order.index(one.list)):
         page.heading(finding_title(finding))
         page.figure(
             curve_figure(finding.curve, f"law of {finding.effect.kind}"),
@@ -182,12 +190,6 @@ def _add_findings(page: Page, diagnosis: Diagnosis, robot: str) -> None:
                 f"{finding.splits}. "
                 f"A motion for it: irb2400 excite --for {finding.effect.kind}{other} --out next"
             )
-    for rest in diagnosis.unexplained:
-        page.heading(f"Joint {rest.joint}: unexplained")
-        page.figure(
-            curve_figure(rest.curve, "generic form"),
-            "What is left, over the signal that orders it best.",
-        )
 
 
 def _add_joints(page: Page, diagnosis: Diagnosis, log: Log | None) -> None:
@@ -198,9 +200,9 @@ def _add_joints(page: Page, diagnosis: Diagnosis, log: Log | None) -> None:
         page.heading(f"Torque of joint {joint}")
         page.figure(
             torque_figure(compared, joint),
-            f"Joint {joint} on {Path(compared.name).name}, where the model as given is furthest "
-            "off. Where a joint stands or turns round, its dry friction is not known: the models "
-            "have gaps there, and such samples do not count.",
+            f"Joint {joint} on {Path(compared.name).name}, in the seconds in which the model as "
+            "given is furthest off. Where a joint stands or turns round, its dry friction is not "
+            "known: the models have gaps there, and such samples do not count.",
         )
         page.figures(
             [residual_figure(compared, joint)],
@@ -299,10 +301,7 @@ def lines(diagnosis: Diagnosis) -> list[str]:
     found = [f"verdict: {diagnosis.verdict}. {verdict_sentence(diagnosis)}"]
     found += [f"  {line}" for line in _why(diagnosis)]
     found += list_lines(diagnosis)
-    found += [
-        f"unexplained: joint {u.joint}, {u.rmse:.2f} Nm rms, depends on {', '.join(u.depends_on)}"
-        for u in diagnosis.unexplained
-    ]
+    found += [f"unexplained: {rest.line}" for rest in diagnosis.unexplained]
     found += [f"note: {remark}" for remark in diagnosis.weak]
     if len(diagnosis.logs) > 1:
         used = sum(log.used for log in diagnosis.logs)

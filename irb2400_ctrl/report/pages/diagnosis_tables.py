@@ -72,8 +72,16 @@ def floor_shown(comparison: Comparison) -> np.ndarray:
 
 def parameter_rows(finding: Finding) -> list[list[object]]:
     """Name, value, standard error."""
-    told = finding.effect.parameters()
+    told = _told(finding)
     return [[name, _text(value), _error(finding, name)] for name, value in told.items()]
+
+
+def _told(finding: Finding) -> dict[str, Any]:
+    """The numbers of an effect; of bounds in time that are open on both sides nothing."""
+    told = dict(finding.effect.parameters())
+    if told.get("stop_s") == OPEN_END_S and told.get("start_s") == 0.0:
+        del told["start_s"], told["stop_s"]
+    return told
 
 
 def numbers_beside(finding: Finding, name: str) -> str:
@@ -83,7 +91,7 @@ def numbers_beside(finding: Finding, name: str) -> str:
     if finding.body is not None:
         return ""
     told = []
-    for other, value in finding.effect.parameters().items():
+    for other, value in _told(finding).items():
         if other in {name, "discrepancy", "windows_s"} or isinstance(value, bool):
             continue
         error = _error(finding, other)

@@ -252,7 +252,7 @@ def body_lines(entry: Entry) -> list[str]:
             continue
         for name, body in (
             ("with the arm's bodies uncertain", finding.body.robust),
-            ("with the arm's bodies taken as true", finding.body.given_bodies),
+            ("were the file's bodies exact, ± of the noise alone", finding.body.given_bodies),
         ):
             mass = with_error(body.mass, body.errors[0])
             centre = ", ".join(
@@ -299,7 +299,8 @@ def _size(finding: Finding) -> str:
     error = finding.standard_errors.get(name)
     value = parameters[name]
     told = with_error(value, error) if isinstance(error, float) else show(value)
-    acts = [f"acts {window(*each, ' s')}" for each in finding.effect.windows_s]
+    when = [window(*each, " s") for each in finding.effect.windows_s]
+    acts = [f"acts {joined(when)}"] if when else []
     return ", ".join([f"{name} {told}", *(k for k, v in parameters.items() if v is True), *acts])
 
 

@@ -1,0 +1,54 @@
+"""Which friction is said to be another than the file's."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+from diagnosis.plain_motion import ROBOT, motion
+
+from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.diagnosis.numbers import friction_level, numbers
+from irb2400_ctrl.diagnosis.preparation.base_prior import BasePrior
+from irb2400_ctrl.effects import LIBRARY, Effect
+from irb2400_ctrl.robot import Uncertainty
+
+N = ROBOT.n
+PRIOR = replace(BasePrior.of(ROBOT, Uncertainty(), motion()), common_friction=0.3)
+
+
+def told(change: Array, effects: Sequence[Effect] = ()) -> tuple[list[tuple[str, str]], str]:
+    """Places and names of what is told of dry and viscous friction changed so, of the file's, and
+    the sentence of its level."""
+    deviations = np.zeros(len(PRIOR.sigmas()))
+    deviations[-3 * N : -N] = np.ravel(change) / Uncertainty().friction_relative
+    z = np.linalg.solve(PRIOR.root, deviations)
+    fit: Any = SimpleNamespace(z=z, z_covariance=1e-6 * np.eye(len(z)), effects=effects)
+    after = PRIOR.updated(deviations)
+    counts = np.ones(N, dtype=bool)
+    found = numbers(PRIOR, fit, after, change=False, friction_counts=counts)
+    return [(one.place, one.name) for one in found], friction_level(PRIOR, fit)
+
+
+def test_a_cold_arm_has_a_level_and_no_number_of_its_own() -> None:
+    """Dry friction of all joints 30 % up was six numbers of which "other arms have none"."""
+    level = np.array([[0.3], [0.2]]) + np.zeros((2, N))
+    assert told(level)[0] == []
+    assert "dry +30 %, viscous +20 %" in told(level)[1]
+    assert told(0.1 * level)[1] == ""
+    one = level.copy()
+    one[0, 3] = 0.6
+    assert told(one)[0] == [("joint 4", "coulomb_Nm")]
+
+
+def test_of_friction_that_bends_the_straight_part_is_no_number_of_its_own() -> None:
+    """Viscous friction was 60 % less beside the law that had taken its place: together they were
+    the file's."""
+    less = np.zeros((2, N))
+    less[1, 3] = -0.6
+    assert ("joint 4", "viscous_Nms_rad") in told(less)[0]
+    bends = LIBRARY["viscous_power"].of(4, coefficient=4.2, exponent=0.7)
+    assert told(less, [bends])[0] == []
