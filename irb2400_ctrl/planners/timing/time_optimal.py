@@ -166,7 +166,7 @@ class _Passes:
                 float(cells.s[cell]),
                 f", axis {axis + 1} cannot hold the arm: needs {needed[cell, axis]:,.0f} of "
                 f"{limits.tau_max[axis]:,.0f} Nm; lighten the load, move the work frame, or raise "
-                "torque_Nm",
+                "torque_Nm (or the torque share, if it is below 1)",
             )
         axis = int(np.argmax(ratio[cell]))
         return InfeasiblePointError(
