@@ -4,7 +4,6 @@ after a stop."""
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -14,6 +13,7 @@ from irb2400_ctrl.errors import InfeasibleError, InputError
 from irb2400_ctrl.given import numbers, positive
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.planners.joint_box import can_hold, inside_box, outside_box
+from irb2400_ctrl.planners.ruckig_move import RuckigMove, ruckig_move
 from irb2400_ctrl.planners.timing.motion_limits import MotionLimits
 from irb2400_ctrl.robot import Robot
 from irb2400_ctrl.trajectory import Trajectory
@@ -213,7 +213,7 @@ class _Search:
     def best(self, top: float) -> JointMove:
         """The shortest move inside the torque limits over scales up to `top` and a few shares of
         the speed."""
-        found: tuple[float, Any, float, float] | None = None
+        found: tuple[float, RuckigMove, float, float] | None = None
         last: InfeasibleError | None = None
         for share in _SPEED_SHARES:
             if (np.abs(self.qd) > share * self.model.robot.qd_max * (1 + 1e-9)).any():
@@ -231,7 +231,7 @@ class _Search:
             raise last
         return self._sampled(*found[:3])
 
-    def _largest_scale(self, top: float, share: float) -> tuple[float, Any, float]:
+    def _largest_scale(self, top: float, share: float) -> tuple[float, RuckigMove, float]:
         """The largest scale whose move keeps torque and box, to 1 %. Tried from above: with speed
         at the start a small scale may brake too late for the box, so what is feasible need not be
         everything below some scale."""
@@ -259,12 +259,12 @@ class _Search:
             f"try {first}"
         )
 
-    def _tried(self, scale: float, share: float) -> tuple[Any, float]:
+    def _tried(self, scale: float, share: float) -> tuple[RuckigMove, float]:
         """ruckig's move at this scale and its largest torque ratio; InfeasibleError where it breaks
         torque or box."""
         trajectory = self._ruckig(scale, share)
-        time = _instants(trajectory)
-        q, qd, qdd = _states(trajectory, time)
+        time = trajectory.instants()
+        q, qd, qdd = trajectory.states(time)
         problem = outside_box(self.model, q)
         if problem is not None:
             raise InfeasibleError(
@@ -281,63 +281,18 @@ class _Search:
             )
         return trajectory, worst
 
-    def _ruckig(self, scale: float, share: float) -> Any:
-        import ruckig
+    def _ruckig(self, scale: float, share: float) -> RuckigMove:
+        scales = self.scales(scale)
+        boxes = (
+            share * self.model.robot.qd_max,
+            scales * self.qdd_max,
+            scales * self.qddd_max,
+        )
+        return ruckig_move((self.start, self.qd, self.qdd), self.target, boxes, self.rate)
 
-        n = self.model.robot.n
-        generator = ruckig.Ruckig(n, 1.0 / self.rate)
-        order = ruckig.InputParameter(n)
-        trajectory = ruckig.Trajectory(n)
-        order.current_position = self.start.tolist()
-        order.target_position = self.target.tolist()
-        order.current_velocity = self.qd.tolist()
-        order.current_acceleration = self.qdd.tolist()
-        order.max_velocity = (share * self.model.robot.qd_max).tolist()
-        order.max_acceleration = (self.scales(scale) * self.qdd_max).tolist()
-        order.max_jerk = (self.scales(scale) * self.qddd_max).tolist()
-        # straight in joint space where the start state allows it, else only of equal duration
-        order.synchronization = ruckig.Synchronization.Phase
-        order.duration_discretization = ruckig.DurationDiscretization.Discrete
-        try:
-            result = generator.calculate(order, trajectory)
-        except RuntimeError as error:
-            raise InputError(f"joint move: ruckig refused the request: {error}") from error
-        if result not in (ruckig.Result.Working, ruckig.Result.Finished):
-            raise InfeasibleError(
-                f"ruckig found no move ({result.name}); try other limits or start from rest"
-            )
-        return trajectory
-
-    def _sampled(self, scale: float, trajectory: Any, ratio: float) -> JointMove:
+    def _sampled(self, scale: float, trajectory: RuckigMove, ratio: float) -> JointMove:
         count = round(trajectory.duration * self.rate)
         time = np.arange(count + 1) / self.rate
-        rows = Trajectory(time, *_states(trajectory, time), check_speeds=False)
+        rows = Trajectory(time, *trajectory.states(time), check_speeds=False)
         own = self.scales(scale)
         return JointMove(rows, own * self.qdd_max, own * self.qddd_max, ratio)
-
-
-def _states(trajectory: Any, time: Array) -> tuple[Array, Array, Array]:
-    """q, qd, qdd at the times, each (m, n)."""
-    rows = np.array([trajectory.at_time(t) for t in time])
-    return rows[:, 0], rows[:, 1], rows[:, 2]
-
-
-def _instants(trajectory: Any) -> Array:
-    """Where the torque is sampled [s], shape (m,): 1 kHz (3000 instants of a long move), every
-    switch of jerk, and densely where a joint starts, stops or turns (static friction acts only
-    below some mrad/s)."""
-    duration = trajectory.duration
-    grid = np.linspace(0.0, duration, int(min(1e3 * duration, 3000.0)) + 2)
-    switches = [
-        profile.brake.duration + np.cumsum([0.0, *profile.t])
-        for section in trajectory.profiles
-        for profile in section
-    ]
-    near = np.geomspace(1e-6, 5e-3, 20)
-    speed = _states(trajectory, grid)[1]
-    turns = [
-        np.linspace(grid[k], grid[k + 1], 12)
-        for k in np.flatnonzero((speed[1:] * speed[:-1] < 0).any(axis=1))
-    ]
-    time = np.concatenate([grid, near, duration - near, *switches, *turns])
-    return np.unique(np.clip(time, 0.0, duration))

@@ -244,9 +244,23 @@ def test_effects_of_the_robot_enter_the_bound() -> None:
 def test_infeasible_names_place_axis_and_torque() -> None:
     weak = replace(LIMITS, tau_max=np.array([1300, 40.0, 700, 140, 150, 60]))
     with pytest.raises(
-        InfeasibleError, match=r"at \d+\.\d mm, axis 2 cannot hold the arm: needs [\d,]+ of 40 Nm"
+        InfeasibleError,
+        match=r"at \d+\.\d mm, axis 2 cannot hold the arm: needs [\d,]+ of 40 Nm; .*torque share",
     ):
         time_joint_path(DYNAMICS, random_path(0), weak)
+
+
+def test_an_axis_that_static_friction_keeps_from_setting_off_is_named() -> None:
+    """Another axis, with torque left, was named as the closest: only Coulomb's part was counted."""
+    path = random_path(0)
+    gravity = np.abs(DYNAMICS.model.gravity(path(np.linspace(0.0, path.length, 400)))[:, 4])
+    static, coulomb = ROBOT.friction[4, :2]
+    limit = gravity.max() + coulomb + 1.0
+    assert gravity[0] + static > limit
+    weak = replace(LIMITS, tau_max=np.array([1300, 1300, 700, 140, limit, 60]))
+    says = rf"axis 5 cannot set off or turn back: .* needs \d+ of {limit:.0f} Nm; .*torque share"
+    with pytest.raises(InfeasibleError, match=says):
+        time_joint_path(DYNAMICS, path, weak)
 
 
 def test_acceleration_limit() -> None:

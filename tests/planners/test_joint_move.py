@@ -77,6 +77,39 @@ def test_axes_start_and_end_together_on_a_straight_line(model: irb.Model) -> Non
     assert np.ptp(share, axis=1).max() < 1e-9
 
 
+@pytest.mark.parametrize("stated", [False, True])
+def test_whatever_the_limits_the_line_is_straight(model: irb.Model, stated: bool) -> None:
+    """Every third move left the line, by up to 0.09 rad: the slowest axis' profile, in proportion,
+    was too much for another, and ruckig went on without a word."""
+    draw = np.random.default_rng(12)
+    limits = {}
+    for start, target in random_pairs(model, 4, seed=7):
+        if stated:
+            limits = {"qdd_max": 10 ** draw.uniform(-0.5, 1, 6), "qddd_max": draw.uniform(5, 50, 6)}
+        move = joint_move(model, 0.6 * start, 0.6 * target, **limits)
+        share = (move.q - move.q[0]) / (move.q[-1] - move.q[0])
+        assert np.ptp(share, axis=1).max() < 1e-9
+        jerk = np.abs(np.diff(move.qdd, axis=0)) * 250.0
+        assert (jerk <= move.qddd_max * (1 + 1e-6)).all()
+
+
+def test_an_axis_that_hardly_moves_or_stands_keeps_the_line(model: irb.Model) -> None:
+    way = np.array([0.7, 1e-6, 1e-13, 0.0, -0.4, 2e-4])
+    move = joint_move(model, HOME, HOME + way)
+    assert np.abs(move.q - HOME - np.outer((move.q[:, 0] - HOME[0]) / 0.7, way)).max() < 1e-12
+    tiny = joint_move(model, HOME, HOME + 1e-7 * way)
+    assert np.abs(tiny.q[-1] - HOME - 1e-7 * way).max() < 1e-15
+
+
+def test_a_move_of_hours_is_refused_in_words(model: irb.Model) -> None:
+    """ruckig answers it by a number that its own enumeration lacks: a ValueError came through."""
+    fast = 0.6 * model.robot.qd_max
+    with pytest.raises(InfeasibleError, match=r"swings out of the joint box|takes hours"):
+        joint_move(model, HOME, HOME + 0.1, qd_start=fast, qdd_max=np.full(6, 1e-3))
+    with pytest.raises(InfeasibleError, match="takes hours"):
+        joint_move(model, HOME, HOME + 0.1, qdd_max=np.full(6, 1e-9))
+
+
 def test_goes_on_from_a_moving_state(model: irb.Model) -> None:
     draw = np.random.default_rng(3)
     for _ in range(8):

@@ -148,33 +148,44 @@ class _Passes:
         return two_pass(constraints, self.cells.h, low, high, constraints.blocks)
 
     def explained(self, cell: int) -> InfeasiblePointError:
-        """Which axis cannot even hold the arm, at an infeasible cell or nearest to it."""
-        cells = self.cells
-        limits = self.limits
+        """Which axis cannot even hold the arm, at an infeasible cell or nearest to it; else which
+        one cannot set off there, or is closest to that."""
+        static = self.friction[:, 0]
         coulomb = self.friction[:, 1]
-        forwards = np.where(cells.forwards, coulomb, 0.0)
-        backwards = np.where(cells.backwards, coulomb, 0.0)
-        above = cells.c_high.max(axis=1) + forwards
-        below = cells.c_low.min(axis=1) - backwards
-        needed = np.maximum(above, -below)
-        ratio = needed / limits.tau_max
+        limit = self.limits.tau_max
+        held = self._needed(coulomb)
+        ratio = held / limit
         heavy = np.flatnonzero(ratio.max(axis=1) > 1)
         if len(heavy):
             cell = int(heavy[np.argmin(np.abs(heavy - cell))])
             axis = int(np.argmax(ratio[cell]))
-            return InfeasiblePointError(
-                float(cells.s[cell]),
-                f", axis {axis + 1} cannot hold the arm: needs {needed[cell, axis]:,.0f} of "
-                f"{limits.tau_max[axis]:,.0f} Nm; lighten the load, move the work frame, or raise "
-                "torque_Nm",
-            )
-        axis = int(np.argmax(ratio[cell]))
+            said = f", axis {axis + 1} cannot hold the arm: needs {held[cell, axis]:,.0f} of "
+            return self._lacking(cell, said + f"{limit[axis]:,.0f} Nm")
+        needed = self._needed(np.maximum(static, coulomb))[cell]
+        axis = int(np.argmax(needed / limit))
+        torque = f"{needed[axis]:,.0f} of {limit[axis]:,.0f} Nm"
+        if needed[axis] > limit[axis]:
+            said = f", axis {axis + 1} cannot set off or turn back: with static friction it needs "
+            return self._lacking(cell, said + torque)
         return InfeasiblePointError(
-            float(cells.s[cell]),
+            float(self.cells.s[cell]),
             f" no acceleration keeps all axes within their torque limits; axis {axis + 1} "
-            f"is closest, with {needed[cell, axis]:,.0f} of {limits.tau_max[axis]:,.0f} Nm to move "
-            "slowly; round the "
-            "corner there, or move the work frame",
+            f"is closest, with {torque} to move slowly; round the corner there, or move the work "
+            "frame",
+        )
+
+    def _needed(self, dry: Array) -> Array:
+        """Torque of each axis to move slowly, with this dry friction, shape (m, n) [Nm]."""
+        cells = self.cells
+        above = cells.c_high.max(axis=1) + np.where(cells.forwards, dry, 0.0)
+        below = cells.c_low.min(axis=1) - np.where(cells.backwards, dry, 0.0)
+        return np.asarray(np.maximum(above, -below))
+
+    def _lacking(self, cell: int, said: str) -> InfeasiblePointError:
+        return InfeasiblePointError(
+            float(self.cells.s[cell]),
+            f"{said}; lighten the load, move the work frame, or raise torque_Nm (or the torque "
+            "share, if it is below 1)",
         )
 
 

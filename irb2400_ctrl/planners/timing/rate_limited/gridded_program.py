@@ -100,7 +100,7 @@ class GriddedProgram:
                 f", axis {axis} is over its limit even in slow motion: the arm and static friction "
                 "need "
                 f"{(1 - slack) * limit:,.0f} of {limit:,.0f} Nm; lighten the load, or "
-                "raise torque_Nm",
+                "raise torque_Nm (or the torque share, if it is below 1)",
             )
         torque = np.isfinite(outputs.friction[3, place, output])
         limited = (
