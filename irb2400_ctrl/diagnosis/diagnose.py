@@ -299,11 +299,6 @@ def _better_with_numbers(motion: PreparedLog, reference: Robot, found: Compariso
 
     Dry friction, viscous friction and inertia trade with each other in what a filter leaves of the
     turns.
-
-    Args:
-        motion: the log, prepared.
-        reference: its numbers, with the effects that were found.
-        found: of the log, with the new numbers.
     """
     tau = predicted_torque(reference, motion, _bases(reference.bare()))
     kept = errors(motion.tau, tau, motion.known).rmse

@@ -208,10 +208,6 @@ def standard_course(workshop: Workshop, seconds: float) -> Trajectory:
     """The usual identification motion, for comparison: a multi-sine of all axes up to 0.42 Hz about
     the box's middle.
 
-    Args:
-        workshop: what the arm may do.
-        seconds: that it takes [s].
-
     Raises:
         InfeasibleError: none is inside the limits.
     """

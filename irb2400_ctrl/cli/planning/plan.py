@@ -247,16 +247,7 @@ def _read(
     spindle_rpm: float | None,
     offsets: list[str] | None,
 ) -> CamProgram:
-    """The program of a file, with one operation alone where that is asked for.
-
-    Args:
-        path: of the file.
-        operation: number or name; None: all of them.
-        units: unit of length, against what the file says.
-        rotary: rotary axes of the machine.
-        spindle_rpm: for feeds per revolution.
-        offsets: where work frames of the control lie.
-    """
+    """The program of a file, with one operation alone where that is asked for."""
     from irb2400_ctrl.planners import read_program
 
     program = read_program(

@@ -180,16 +180,7 @@ def _told(
     shown: Shown | None,
     suspicions: list[Suspicion],
 ) -> None:
-    """Say and show how things stand until the log ends or Ctrl-C.
-
-    Args:
-        watched: to be fed.
-        pieces: of the log.
-        suspect: whether alarms are diagnosed.
-        every: so often [s].
-        shown: writes the page.
-        suspicions: where they are put.
-    """
+    """Say and show how things stand until the log ends or Ctrl-C."""
     from irb2400_ctrl.watch import Suspicion, followed
 
     lately: list[Seen] = []

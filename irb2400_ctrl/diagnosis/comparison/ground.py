@@ -116,10 +116,6 @@ class Ground:
     def lags_on_a_spring(self, late: Alternative, every: Sequence[Alternative]) -> bool:
         """Whether an angle that seems late is a link behind a soft transmission, or one with play:
         one is there, or counts, beside the lateness too, which has no swing.
-
-        Args:
-            late: in question.
-            every: alternatives.
         """
         if not any(e.angle_error[1] for e in late.candidate.effects):
             return False

@@ -123,11 +123,7 @@ class Choice:
         return bool(upper[0] * trial.left[j] < upper[1] * now.left[j])
 
     def _left_beyond(self, kind: str, one: _Trial) -> Array:
-        """Rms torque that is left on the upper half by a fit to the lower, shape (n,) [Nm].
-
-        Args:
-            kind: whose halves; one: what is fitted.
-        """
+        """Rms torque that is left on the upper half by a fit to the lower, shape (n,) [Nm]."""
         places = one.layout.within(self.whole)
         upper = self.beyond[kind]().part(places)
         lower = self.sums.part(places).summed().less(upper)

@@ -75,12 +75,7 @@ def fit(model: Model, parts: Sequence[Recording]) -> Fit:
 
 
 def _fitted_to(model: Model, parts: Sequence[Recording], layout: ColumnLayout) -> Fit:
-    """`_fitted` with the sums and the prior of a layout.
-
-    Args:
-        model: of the arm; parts: the recordings.
-        layout: which columns there are.
-    """
+    """`_fitted` with the sums and the prior of a layout."""
     prior = prior_of(model.robot, layout, scale_of(parts))
     return _fitted(model, parts, layout, moments(model, layout, parts), prior)
 
@@ -219,11 +214,7 @@ def _unread(base: Fit, fast: Callable[[], Moments]) -> Integers:
 
 
 def _signed_rotors(base: Fit, data: Moments) -> tuple[Array, Array]:
-    """Rotors that may be below zero, and their standard errors, shape (n,) [kg m2].
-
-    Args:
-        base: whose columns and noise they are; data: one block.
-    """
+    """Rotors that may be below zero, and their standard errors, shape (n,) [kg m2]."""
     rotor = base.layout.drive("rotor")
     bounded = base.layout.positive()
     bounded[rotor] = False
