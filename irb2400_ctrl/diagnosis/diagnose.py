@@ -234,13 +234,9 @@ def _not_understood(robot: Robot, logs: SoundLogs, problem: LogProblem) -> Diagn
 
 
 @lru_cache(maxsize=4)
-def _bases_of(text: str) -> Bases:
-    return Bases(Robot.model_validate_json(text))
-
-
 def _bases(robot: Robot) -> Bases:
     """Bases are expensive to build and depend on the robot only."""
-    return _bases_of(robot.model_dump_json())
+    return Bases(robot)
 
 
 def _concluded(

@@ -104,10 +104,8 @@ class Workshop:
         q, qd, qdd = (np.concatenate([part[i] for part in parts]) for i in range(3))
         return resting(np.arange(len(q)) / RATE, q, qd, qdd)
 
-    def filling(
-        self, pieces: Sequence[Piece], duration: float, seconds: float
-    ) -> tuple[Trajectory, float]:
-        """Pieces joined to a motion of `seconds`, and the duration of a piece that this came to.
+    def filling(self, pieces: Sequence[Piece], duration: float, seconds: float) -> Trajectory:
+        """Pieces joined to a motion of `seconds`.
 
         Args:
             pieces: one after another.
@@ -129,8 +127,7 @@ class Workshop:
                     f"the moves between {len(pieces)} pieces leave no room in {seconds:g} s"
                 )
             pieces = [piece for piece in fitted if piece is not None]
-        course = self.within(stretched(course, max(seconds, course.duration)))
-        return course, duration
+        return self.within(stretched(course, max(seconds, course.duration)))
 
     def within(self, course: Trajectory) -> Trajectory:
         """The course slowed down until it is inside the limits at every instant looked at.

@@ -4,6 +4,7 @@ the foot of the robot."""
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -45,6 +46,20 @@ class Extent:
         """Within everything."""
         driven = self.torque <= SHARE and self.speed <= 1.0 and self.acceleration <= 1.0
         return driven and self.box >= 0 and self.clear
+
+    def summary(self, robot: Robot) -> dict[str, Any]:
+        """For `excitation.json`, with the accelerations that the robot's motions keep."""
+        limits = AccelerationLimits.of(robot)
+        return {
+            "max_torque_ratio": self.torque,
+            "max_velocity_ratio": self.speed,
+            "max_acceleration_ratio": self.acceleration,
+            "acceleration_limits_deg_s2": np.degrees(limits.values).tolist(),
+            "acceleration_assumed_of_joints": list(limits.assumed),
+            "smallest_distance_from_joint_box_deg": float(np.degrees(self.box)),
+            "smallest_height_m": self.height,
+            "smallest_radius_m": self.radius,
+        }
 
     def shares(self) -> str:
         """Of the limits that a motor has, in words."""

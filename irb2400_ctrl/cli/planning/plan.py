@@ -48,7 +48,7 @@ from irb2400_ctrl.cli.planning.rapid_out import (
     write_plan_module,
 )
 from irb2400_ctrl.cli.progress import step
-from irb2400_ctrl.cli.summary import Summary, answers, writes
+from irb2400_ctrl.cli.summary import Summary, answers, writes, wrote
 from irb2400_ctrl.errors import UnreachableError
 
 if TYPE_CHECKING:
@@ -308,8 +308,7 @@ def _plan_one(job: Job) -> Summary:
     print(f"{job.program.name}: {len(toolpath)} points, {planned.summary()['duration_s']:.2f} s")
     _print_summary(planned, options["tolerance"])
     paths = [job.out / name for name in written]
-    print(f"written: {', '.join(map(str, paths))}")
-    return Summary(planned.summary(), paths)
+    return wrote(planned.summary(), paths)
 
 
 def _print_summary(planned: Plan, tolerance: float) -> None:

@@ -9,9 +9,8 @@ from functools import cached_property
 
 import casadi as ca
 import numpy as np
-import numpy.typing as npt
 
-from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.arrays import Array, Mask
 from irb2400_ctrl.diagnosis.regressors.effect_states import Memory
 from irb2400_ctrl.diagnosis.regressors.given_signals import DerivedSignals, GivenSignals
 from irb2400_ctrl.effects import LIBRARY, Effect
@@ -178,7 +177,7 @@ class _Law:
         motion: PreparedLog,
         grid: list[tuple[float, ...]],
         filtered: bool,
-        active: npt.NDArray[np.bool_],
+        active: Mask,
         law_too: bool = False,
     ) -> list[RegressorColumns]:
         """`law_too`: the basis after the discrepancy."""
