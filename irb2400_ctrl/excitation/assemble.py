@@ -35,7 +35,7 @@ def stretched(course: Trajectory, duration: float) -> Trajectory:
     rows = round(duration * RATE)
     time = np.arange(rows + 1) / RATE
     factor = course.duration / time[-1]
-    q, qd, qdd = between(1 / RATE, course.q, course.qd, course.qdd, time * factor)
+    q, qd, qdd = between(course, time * factor)
     return resting(time, q, qd * factor, qdd * factor**2)
 
 
@@ -149,7 +149,7 @@ class Workshop:
 
     def extent(self, course: Trajectory) -> Extent:
         """How far a course goes, looked at densely."""
-        return dense_extent(self.model, 1 / RATE, course.q, course.qd, course.qdd)
+        return dense_extent(self.model, course)
 
     def recorded(self, course: Trajectory, name: str = "motion") -> PreparedLog:
         """The course as diagnosis sees it in a log of a real arm (that sticks when it turns), free

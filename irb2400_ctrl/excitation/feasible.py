@@ -13,6 +13,8 @@ from irb2400_ctrl.excitation.acceleration import AccelerationLimits
 from irb2400_ctrl.excitation.room import floor_and_column, height_and_radius
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.robot import Robot
+from irb2400_ctrl.trajectory import Trajectory
+from irb2400_ctrl.trajectory.trajectory import RATE
 
 SHARE = 0.9
 """of torque, speed and acceleration limits that an excitation uses; the rest is the controller's"""
@@ -150,20 +152,15 @@ def with_share(robot: Robot) -> Robot:
     return robot.model_copy(update={"joints": tuple(joints)})
 
 
-def between(step: float, q: Array, qd: Array, qdd: Array, at: Array) -> tuple[Array, Array, Array]:
-    """q, qd, qdd at the times `at` [s] from rows of a motion: polynomials of degree 5 through their
-    three values.
-
-    Args:
-        step: between two rows [s].
-        q: [rad], shape (m, n).
-        qd: [rad/s], shape (m, n).
-        qdd: [rad/s2], shape (m, n).
-        at: from the first row on, shape (k,).
-    """
-    k = np.clip((at / step).astype(int), 0, len(q) - 2)
-    x = ((at - k * step) / step)[:, None]
-    h = step
+def between(course: Trajectory, at: Array) -> tuple[Array, Array, Array]:
+    """q, qd, qdd of a motion at the times `at` [s], shape (k,): polynomials of degree 5 through the
+    three values of its rows at `RATE`."""
+    q = course.q
+    qd = course.qd
+    qdd = course.qdd
+    h = 1 / RATE
+    k = np.clip((at / h).astype(int), 0, len(q) - 2)
+    x = ((at - k * h) / h)[:, None]
     p0 = q[k]
     v0 = qd[k] * h
     a0 = qdd[k] * h**2
@@ -179,15 +176,8 @@ def between(step: float, q: Array, qd: Array, qdd: Array, at: Array) -> tuple[Ar
     return value, rate, bend
 
 
-def dense_extent(model: Model, step: float, q: Array, qd: Array, qdd: Array) -> Extent:
-    """Of a whole motion, at `DENSE` instants per row.
-
-    Args:
-        model: of the arm.
-        step: between two rows [s].
-        q: [rad], shape (m, n).
-        qd: [rad/s], shape (m, n).
-        qdd: [rad/s2], shape (m, n).
-    """
-    at = np.linspace(0.0, step * (len(q) - 1), DENSE * (len(q) - 1) + 1)
-    return extent(model, *between(step, q, qd, qdd, at))
+def dense_extent(model: Model, course: Trajectory) -> Extent:
+    """Of a whole motion, at `DENSE` instants per row."""
+    steps = len(course.q) - 1
+    at = np.linspace(0.0, 1 / RATE * steps, DENSE * steps + 1)
+    return extent(model, *between(course, at))

@@ -84,6 +84,31 @@ class Bases:
             within(windows, motion.time),
         )
 
+    def of(
+        self,
+        effect: Effect,
+        motion: PreparedLog,
+        *,
+        discrepancy: bool = False,
+        filtered: bool = True,
+    ) -> RegressorColumns:
+        """`columns` of an effect with its own nonlinear parameters, in its windows.
+
+        Args:
+            effect: of the arm; motion: the log, prepared.
+            discrepancy, filtered: as of `columns`.
+        """
+        (found,) = self.columns(
+            effect.kind,
+            effect.joint,
+            motion,
+            [effect.nonlinear],
+            discrepancy=discrepancy,
+            filtered=filtered,
+            windows=effect.windows_s,
+        )
+        return found
+
     def with_beginnings(
         self,
         kind: str,
