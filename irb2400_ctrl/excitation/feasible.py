@@ -14,7 +14,6 @@ from irb2400_ctrl.excitation.room import floor_and_column, height_and_radius
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.robot import Robot
 from irb2400_ctrl.trajectory import Trajectory
-from irb2400_ctrl.trajectory.trajectory import RATE
 
 SHARE = 0.9
 """of torque, speed and acceleration limits that an excitation uses; the rest is the controller's"""
@@ -154,11 +153,11 @@ def with_share(robot: Robot) -> Robot:
 
 def between(course: Trajectory, at: Array) -> tuple[Array, Array, Array]:
     """q, qd, qdd of a motion at the times `at` [s], shape (k,): polynomials of degree 5 through the
-    three values of its rows at `RATE`."""
+    three values of its rows, which are evenly spaced from 0 s on."""
     q = course.q
     qd = course.qd
     qdd = course.qdd
-    h = 1 / RATE
+    h = float(course.time[1])
     k = np.clip((at / h).astype(int), 0, len(q) - 2)
     x = ((at - k * h) / h)[:, None]
     p0 = q[k]
@@ -179,5 +178,5 @@ def between(course: Trajectory, at: Array) -> tuple[Array, Array, Array]:
 def dense_extent(model: Model, course: Trajectory) -> Extent:
     """Of a whole motion, at `DENSE` instants per row."""
     steps = len(course.q) - 1
-    at = np.linspace(0.0, 1 / RATE * steps, DENSE * steps + 1)
+    at = np.linspace(0.0, course.time[1] * steps, DENSE * steps + 1)
     return extent(model, *between(course, at))
