@@ -12,6 +12,11 @@ def joined(names: Sequence[str], last: str = "and") -> str:
     return f"{', '.join(first)} {last} {end}" if first else end
 
 
+def listed(numbers: Iterable[int]) -> str:
+    """`1, 3, 4`."""
+    return ", ".join(map(str, numbers))
+
+
 def numbered(what: str, places: Sequence[int]) -> str:
     """`joint 4`, `joints 1, 3 and 4`."""
     return f"{what}{'s' if len(places) > 1 else ''} {joined([str(place) for place in places])}"

@@ -17,7 +17,7 @@ from benchmarks.naming.givers import Said, diagnosis
 from irb2400_ctrl.diagnosis.comparison import acceptance, criteria, ground, possible, selection
 from irb2400_ctrl.diagnosis.comparison.at_load_changes import AtLoadChanges
 from irb2400_ctrl.diagnosis.comparison.at_reversals import AtReversals
-from irb2400_ctrl.diagnosis.comparison.comparison import Comparison
+from irb2400_ctrl.diagnosis.comparison.comparison import StepComparison
 from irb2400_ctrl.measurement import Log
 from irb2400_ctrl.robot import Robot
 
@@ -43,7 +43,7 @@ RULES: dict[str, tuple[Put, ...]] = {
         (criteria, "of_one_moment", lambda *_: False),
         (selection, "of_one_moment", lambda *_: False),
     ),
-    "leftover": ((Comparison, "leftover", lambda *_: None),),
+    "leftover": ((StepComparison, "leftover", lambda *_: None),),
     "usual": ((acceptance, "usual", lambda *_: True),),
     "can_be_taken_off": ((possible, "can_be_taken_off", lambda *_: True),),
     "stands_clear": (

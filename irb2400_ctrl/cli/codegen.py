@@ -19,7 +19,7 @@ from irb2400_ctrl.cli.options import (
     output_folder,
 )
 from irb2400_ctrl.cli.progress import step
-from irb2400_ctrl.cli.summary import Summary, answers
+from irb2400_ctrl.cli.summary import Summary, answers, wrote
 
 if TYPE_CHECKING:
     from irb2400_ctrl.codegen import Block
@@ -101,9 +101,8 @@ def codegen(
             block, out, target=target.value, real=precision, optimise=optimise, name=name
         )
     print(verification.table())
-    print(f"written: {out}")
     stop = None if verification.passed else typer.Exit(1)
-    return Summary(json.loads(verification.to_json()), [out], stop)
+    return wrote(json.loads(verification.to_json()), [out], stop=stop)
 
 
 def _wishes(given: list[str]) -> dict[str, Any]:

@@ -22,7 +22,7 @@ from irb2400_ctrl.cli.options import (
     output_folder,
 )
 from irb2400_ctrl.cli.progress import step
-from irb2400_ctrl.cli.summary import Summary, answers, writes
+from irb2400_ctrl.cli.summary import Summary, answers, writes, wrote
 
 if TYPE_CHECKING:
     from irb2400_ctrl.diagnosis import Diagnosis
@@ -123,8 +123,7 @@ def diagnose(
         result.write(out)
         page.write(out / "report.html")
     print("\n".join(text))
-    print(f"written: {', '.join(str(out / name) for name in written)}")
-    return Summary(result.to_json(), [out / name for name in written])
+    return wrote(result.to_json(), [out / name for name in written])
 
 
 def _robot_of(reference: list[Path], robot: str) -> str:

@@ -10,7 +10,7 @@ import typer
 from irb2400_ctrl.cli.command_line import provenance
 from irb2400_ctrl.cli.options import OutOption, RobotOption, load_arm, motions_named, output_folder
 from irb2400_ctrl.cli.progress import step
-from irb2400_ctrl.cli.summary import Summary, answers, writes
+from irb2400_ctrl.cli.summary import Summary, answers, writes, wrote
 
 
 @answers
@@ -52,8 +52,7 @@ def excite(
         page.provenance(provenance(arm))
         paths = [*found.write(out), page.write(out / "report.html")]
     print("\n".join(found.lines()))
-    print("written: " + ", ".join(str(path) for path in paths))
-    return Summary(found.summary(), paths)
+    return wrote(found.summary(), paths)
 
 
 def _for_identify(robot: str, seconds: float, joint: int | None, out: Path) -> Summary:
@@ -74,5 +73,4 @@ def _for_identify(robot: str, seconds: float, joint: int | None, out: Path) -> S
         page.provenance(provenance(arm))
         paths = [*found.write(out), page.write(out / "report.html")]
     print("\n".join(found.lines(robot)))
-    print("written: " + ", ".join(str(path) for path in paths))
-    return Summary(found.summary(), paths)
+    return wrote(found.summary(), paths)

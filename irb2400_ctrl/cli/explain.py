@@ -9,7 +9,7 @@ import typer
 
 from irb2400_ctrl.cli.command_line import provenance
 from irb2400_ctrl.cli.options import effects_named, output_folder, robots_named
-from irb2400_ctrl.cli.summary import Summary, answers
+from irb2400_ctrl.cli.summary import Summary, answers, wrote
 
 
 @answers
@@ -61,5 +61,4 @@ def explain(
     page = effect_page(found, robot)
     page.provenance(provenance())
     written = page.write(out / "report.html")
-    print(f"written: {written}")
-    return Summary(found, [written])
+    return wrote(found, [written])

@@ -21,7 +21,7 @@ from irb2400_ctrl.cli.options import (
     output_folder,
 )
 from irb2400_ctrl.cli.progress import step
-from irb2400_ctrl.cli.summary import Summary, answers, writes
+from irb2400_ctrl.cli.summary import Summary, answers, writes, wrote
 
 if TYPE_CHECKING:
     from irb2400_ctrl.robot import Body
@@ -89,8 +89,7 @@ def identify(
     print(f"prior of the robot file: {arm.uncertainty.says()}")
     names = ("robot.toml", "identification.json", "covariance.json", "report.html")
     written = [out / name for name in names]
-    print(f"written: {', '.join(map(str, written))}")
-    return Summary(result.to_json(), written)
+    return wrote(result.to_json(), written)
 
 
 def _load(text: str) -> Body:

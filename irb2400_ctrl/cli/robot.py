@@ -11,7 +11,7 @@ import typer
 
 from irb2400_ctrl.cli import robot_in
 from irb2400_ctrl.cli.options import OutOption, output_folder, robots_named
-from irb2400_ctrl.cli.summary import Summary, answers
+from irb2400_ctrl.cli.summary import Summary, answers, wrote
 from irb2400_ctrl.wording import counted
 
 if TYPE_CHECKING:
@@ -163,7 +163,6 @@ def export(
     name = re.sub(r"\W+", "_", arm.name).strip("_").lower()
     save = {"urdf": (save_urdf, "urdf"), "mjcf": (save_mjcf, "xml")}[format]
     path = save[0](written, output_folder(out) / f"{name}.{save[1]}")
-    print(f"written: {path}")
     facts = {
         "name": arm.name,
         "format": format,
@@ -172,7 +171,7 @@ def export(
         "mass_data_moved": written != weighed,
         "massless_bodies": bare,
     }
-    return Summary(facts, [path])
+    return wrote(facts, [path])
 
 
 def _print_bodies(arm: Robot) -> dict[str, Any]:

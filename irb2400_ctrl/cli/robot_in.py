@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from irb2400_ctrl.cli.summary import Summary, answers
+from irb2400_ctrl.cli.summary import Summary, answers, wrote
 from irb2400_ctrl.wording import counted
 
 if TYPE_CHECKING:
@@ -74,9 +74,9 @@ def import_(
     notes = [*found.notes, *of_outline, *arm.assumptions()]
     checks = plausibility(arm)
     said = [*(f"note: {note}" for note in notes), *(f"check: {note}" for note in checks)]
-    print("\n".join([f"{arm.name}: {counted(arm.n, 'joint')}", *said, f"written: {out}"]))
+    print("\n".join([f"{arm.name}: {counted(arm.n, 'joint')}", *said]))
     facts = {"name": arm.name, "joints": arm.n, "notes": notes, "checks": checks}
-    return Summary(facts, [out])
+    return wrote(facts, [out])
 
 
 @answers
@@ -92,8 +92,7 @@ def new(out: RobotFile) -> Summary:
             f"--out {out}: found it already, expected a new name: the template would replace it"
         )
     text = (resources.files("irb2400_ctrl") / "robot" / "template.toml").read_text("utf-8")
-    print(f"written: {write_atomic(out, text)}")
-    return Summary({}, [out])
+    return wrote({}, [write_atomic(out, text)])
 
 
 def _payload(mass_kg: float | None, com_mm: str | None) -> Payload | None:

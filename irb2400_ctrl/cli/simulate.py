@@ -21,7 +21,7 @@ from irb2400_ctrl.cli.options import (
     robots_named,
 )
 from irb2400_ctrl.cli.progress import step
-from irb2400_ctrl.cli.summary import Summary, answers, writes
+from irb2400_ctrl.cli.summary import Summary, answers, writes, wrote
 
 if TYPE_CHECKING:
     from irb2400_ctrl.robot import Robot
@@ -84,8 +84,7 @@ def simulate(
     summary = simulation.summary()
     print("\n".join(_lines(controller, summary)))
     written = [out / name for name in ("log.csv", "simulation.json", "report.html")]
-    print(f"written: {', '.join(map(str, written))}")
-    return Summary(summary, written)
+    return wrote(summary, written)
 
 
 def _say_unstable(controller: str, arm: Robot) -> None:

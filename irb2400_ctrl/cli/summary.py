@@ -72,6 +72,12 @@ class Summary:
         return json.dumps(plain(told), allow_nan=False)
 
 
+def wrote(facts: Mapping[str, Any], written: Sequence[Path], **more: Any) -> Summary:
+    """The summary of a verb that has made files, which it names; `more` as of `Summary`."""
+    print(f"written: {', '.join(map(str, written))}")
+    return Summary(facts, written, **more)
+
+
 def writes(*names: str) -> Callable[[Callable[..., Summary]], Callable[..., Summary]]:
     """Says which files the verb writes into `--out` that a verb may also read: none of them is
     replaced while it is read."""

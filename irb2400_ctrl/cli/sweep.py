@@ -11,7 +11,7 @@ import typer
 from irb2400_ctrl.cli.command_line import provenance
 from irb2400_ctrl.cli.options import OutOption, input_file, output_folder
 from irb2400_ctrl.cli.progress import step
-from irb2400_ctrl.cli.summary import INTERRUPTED, Summary, answers
+from irb2400_ctrl.cli.summary import INTERRUPTED, Summary, answers, wrote
 
 
 @answers
@@ -68,5 +68,4 @@ def sweep(
             f"{row['message']}"
         )
     written = [result.table, out / "study.toml", report]
-    print(f"written: {', '.join(map(str, written))}")
-    return Summary(result.summary(), written, kept=[out / LOGS])
+    return wrote(result.summary(), written, kept=[out / LOGS])

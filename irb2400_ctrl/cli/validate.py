@@ -20,7 +20,7 @@ from irb2400_ctrl.cli.options import (
     output_folder,
 )
 from irb2400_ctrl.cli.progress import step
-from irb2400_ctrl.cli.summary import Summary, answers
+from irb2400_ctrl.cli.summary import Summary, answers, wrote
 
 LogsArgument = Annotated[
     list[Path], typer.Argument(metavar="LOG...", help="Measured logs of one arm.")
@@ -68,5 +68,4 @@ def validate(
             print(f"warning: {log.name} is not understood: {problem.says}", file=sys.stderr)
     print("\n".join(lines(result)))
     written = [out / "validation.json", out / "report.html"]
-    print(f"written: {', '.join(map(str, written))}")
-    return Summary(result.to_json(), written)
+    return wrote(result.to_json(), written)

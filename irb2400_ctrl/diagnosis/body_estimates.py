@@ -77,9 +77,7 @@ def body_estimates(prior: AnyPrior, fitter: Fitter, fit: Fit, place: int) -> Bod
     if effect.acts != "parameters" or not hasattr(effect, "com_m"):
         return None
     motion = fitter.motion
-    law = fitter.bases.columns(
-        effect.kind, effect.joint, motion, [effect.nonlinear], windows=effect.windows_s
-    )[0]
+    law = fitter.bases.of(effect, motion)
     Y = np.zeros((motion.rows, motion.n, 10))
     Y[:, list(law.joints)] = law.values
     own = len(fit.z)

@@ -235,13 +235,9 @@ def _not_understood(robot: Robot, logs: SoundLogs, problem: LogProblem) -> Diagn
 
 
 @lru_cache(maxsize=4)
-def _bases_of(text: str) -> Bases:
-    return Bases(Robot.model_validate_json(text))
-
-
 def _bases(robot: Robot) -> Bases:
     """Bases are expensive to build and depend on the robot only."""
-    return _bases_of(robot.model_dump_json())
+    return Bases(robot)
 
 
 def _concluded(
@@ -301,11 +297,6 @@ def _better_with_numbers(motion: PreparedLog, reference: Robot, found: Compariso
 
     Dry friction, viscous friction and inertia trade with each other in what a filter leaves of the
     turns.
-
-    Args:
-        motion: the log, prepared.
-        reference: its numbers, with the effects that were found.
-        found: of the log, with the new numbers.
     """
     tau = predicted_torque(reference, motion, _bases(reference.bare()))
     kept = errors(motion.tau, tau, motion.known).rmse

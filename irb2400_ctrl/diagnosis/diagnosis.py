@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
-import numpy.typing as npt
 
 from irb2400_ctrl.arrays import Array, Mask, rms
 from irb2400_ctrl.diagnosis.at_rest import worse_at_rest
@@ -55,7 +54,7 @@ class Comparison:
     before: Array
     recalibrated: Array
     after: Array
-    known: npt.NDArray[np.bool_]
+    known: Mask
     error_before: Errors
     error_recalibrated: Errors
     error_after: Errors

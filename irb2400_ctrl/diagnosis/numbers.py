@@ -64,15 +64,7 @@ class Number:
 
     def to_json(self) -> dict[str, Any]:
         """As in findings.json."""
-        return {
-            "list": self.list,
-            "place": self.place,
-            "name": self.name,
-            "before": self.before,
-            "after": self.after,
-            "standard_error": self.standard_error,
-            "sigmas": round(self.sigmas, 2),
-        }
+        return {**vars(self), "sigmas": round(self.sigmas, 2)}
 
 
 def numbers(

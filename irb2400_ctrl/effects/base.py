@@ -25,10 +25,9 @@ from typing import Any, ClassVar, Literal, Self
 
 import casadi as ca
 import numpy as np
-import numpy.typing as npt
 from pydantic import AliasChoices, Field
 
-from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.arrays import Array, Mask
 from irb2400_ctrl.effects.ambiguity import Ambiguity
 from irb2400_ctrl.effects.drawing import Drawing
 from irb2400_ctrl.effects.prior import Nested, Prior
@@ -282,7 +281,7 @@ class Effect(Table, ABC):
         """True minus reported angle of its joint [rad], and how late that is reported [s]."""
         return 0.0, 0.0
 
-    def active(self, time: Array) -> npt.NDArray[np.bool_]:
+    def active(self, time: Array) -> Mask:
         """Whether it acts at these times [s]."""
         return within(self.windows_s, time)
 
@@ -344,7 +343,7 @@ def _revived(kind: str, file: Path | None, fields: dict[str, Any]) -> Effect:
     return revived
 
 
-def within(windows: Sequence[tuple[float, float]], time: Array) -> npt.NDArray[np.bool_]:
+def within(windows: Sequence[tuple[float, float]], time: Array) -> Mask:
     """Whether these times [s] lie in one of the windows; always, without any."""
     inside = [(time >= start) & (time < stop) for start, stop in windows]
     return np.any(inside, axis=0) if inside else np.ones(len(time), dtype=bool)

@@ -7,7 +7,6 @@ of a light wrist turns is mostly its own rotor.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -44,13 +43,6 @@ class AccelerationLimits:
     def ratio(self, qdd: Array) -> float:
         """Largest share of the limits; qdd [rad/s2], shape (m, n)."""
         return float((np.abs(qdd) / self.values).max())
-
-    def summary(self) -> dict[str, Any]:
-        """For `excitation.json`."""
-        return {
-            "acceleration_limits_deg_s2": np.degrees(self.values).tolist(),
-            "acceleration_assumed_of_joints": list(self.assumed),
-        }
 
     def remark(self) -> str:
         """What is assumed, in words; empty where the file states all."""

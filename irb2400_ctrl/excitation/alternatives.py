@@ -19,7 +19,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 
-from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.arrays import Array, rms
 from irb2400_ctrl.diagnosis.estimation.evidence import DISCREPANCY
 from irb2400_ctrl.diagnosis.preparation.base_prior import BasePrior
 from irb2400_ctrl.diagnosis.preparation.contacts import Contacts
@@ -89,16 +89,13 @@ class Alternatives:
         self.base_prior = BasePrior.of(robot, robot.uncertainty, standard)
         self.noise: Array = NOISE * robot.tau_max
         self._standard = standard
-        rms = np.maximum(
-            np.sqrt(np.mean(standard.filtered_reading(standard.tau) ** 2, axis=0)), 1e-9
-        )
-        self._rms = rms
+        self._rms = np.maximum(rms(standard.filtered_reading(standard.tau)), 1e-9)
         wanted = group.members(robot.n, joint)
         self.members: list[Place] = []
         self._effects: list[tuple[Effect, float]] = []
         for place in wanted:
             effect = self._representative(place, standard.time[-1])
-            share = np.sqrt(np.mean(self._torque(effect, standard) ** 2, axis=0)) / rms
+            share = rms(self._torque(effect, standard)) / self._rms
             if share.max() > 1e-9:  # the zero of axis 1 changes nothing
                 self.members.append(place)
                 self._effects.append((effect, SIZE / float(share.max())))
@@ -176,10 +173,7 @@ class Alternatives:
             for law, other in zip(laws, extra, strict=True):
                 k = law.values.shape[2]
                 d = other.values.shape[2] - effect.beginnings()
-                share = (
-                    np.sqrt(np.mean(other.values[:, :, :d] ** 2, axis=0))
-                    / self._rms[list(law.joints), None]
-                )
+                share = rms(other.values[:, :, :d]) / self._rms[list(law.joints), None]
                 # a departure of one standard deviation is a part of what an effect of the common
                 # size makes
                 units.append(DISCREPANCY * SIZE / np.maximum(share.max(axis=0), 1e-9))

@@ -35,7 +35,7 @@ def stretched(course: Trajectory, duration: float) -> Trajectory:
     rows = round(duration * RATE)
     time = np.arange(rows + 1) / RATE
     factor = course.duration / time[-1]
-    q, qd, qdd = between(1 / RATE, course.q, course.qd, course.qdd, time * factor)
+    q, qd, qdd = between(course, time * factor)
     return resting(time, q, qd * factor, qdd * factor**2)
 
 
@@ -104,10 +104,8 @@ class Workshop:
         q, qd, qdd = (np.concatenate([part[i] for part in parts]) for i in range(3))
         return resting(np.arange(len(q)) / RATE, q, qd, qdd)
 
-    def filling(
-        self, pieces: Sequence[Piece], duration: float, seconds: float
-    ) -> tuple[Trajectory, float]:
-        """Pieces joined to a motion of `seconds`, and the duration of a piece that this came to.
+    def filling(self, pieces: Sequence[Piece], duration: float, seconds: float) -> Trajectory:
+        """Pieces joined to a motion of `seconds`.
 
         Args:
             pieces: one after another.
@@ -129,8 +127,7 @@ class Workshop:
                     f"the moves between {len(pieces)} pieces leave no room in {seconds:g} s"
                 )
             pieces = [piece for piece in fitted if piece is not None]
-        course = self.within(stretched(course, max(seconds, course.duration)))
-        return course, duration
+        return self.within(stretched(course, max(seconds, course.duration)))
 
     def within(self, course: Trajectory) -> Trajectory:
         """The course slowed down until it is inside the limits at every instant looked at.
@@ -152,7 +149,7 @@ class Workshop:
 
     def extent(self, course: Trajectory) -> Extent:
         """How far a course goes, looked at densely."""
-        return dense_extent(self.model, 1 / RATE, course.q, course.qd, course.qdd)
+        return dense_extent(self.model, course)
 
     def recorded(self, course: Trajectory, name: str = "motion") -> PreparedLog:
         """The course as diagnosis sees it in a log of a real arm (that sticks when it turns), free

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -21,6 +20,9 @@ from irb2400_ctrl.planners.programs.rapid.rapid_options import RapidOptions
 from irb2400_ctrl.planners.programs.rapid.rapid_program import RapidProgram, rapid_program
 from irb2400_ctrl.robot import Robot
 from irb2400_ctrl.trajectory import Trajectory
+
+COARSE_DEG = 0.2
+"""tolerance of a RAPID module of a lively motion"""
 
 
 @dataclass(frozen=True)
@@ -73,13 +75,7 @@ class Excitation:
             "robot": self.robot.name,
             "duration_s": self.course.duration,
             "pieces": list(self.flavours),
-            "max_torque_ratio": self.extent.torque,
-            "max_velocity_ratio": self.extent.speed,
-            "max_acceleration_ratio": self.extent.acceleration,
-            **AccelerationLimits.of(self.robot).summary(),
-            "smallest_distance_from_joint_box_deg": math.degrees(self.extent.box),
-            "smallest_height_m": self.extent.height,
-            "smallest_radius_m": self.extent.radius,
+            **self.extent.summary(self.robot),
             "assumed": {
                 "size_of_each_effect_over_joint_rms_torque": SIZE,
                 "noise_over_torque_limit": NOISE,
@@ -100,15 +96,7 @@ class Excitation:
 
     def program(self) -> RapidProgram:
         """The motion as a RAPID module of joint moves with their times."""
-        options = RapidOptions(
-            module="Excitation",
-            motion="joint",
-            tolerance_mm=0.5,
-            tolerance_deg=0.2,
-            zone_mm=1.0,
-            state_time=True,
-        )
-        return rapid_program(Model(self.robot), self.course, options=options)
+        return rapid_module(Model(self.robot), self.course, "Excitation", COARSE_DEG)
 
     def lines(self) -> list[str]:
         """For the terminal."""
@@ -141,6 +129,26 @@ class Excitation:
             *([self.program().save(folder / "excitation.mod")] if self.robot.n == 6 else []),
             write_json(folder / "excitation.json", self.summary()),
         ]
+
+
+def rapid_module(
+    model: Model, course: Trajectory, module: str, tolerance_deg: float
+) -> RapidProgram:
+    """A course as a RAPID module of joint moves with their times.
+
+    Args:
+        model: of the arm; course: of six axes.
+        module: its name; tolerance_deg: of every joint [deg].
+    """
+    options = RapidOptions(
+        module=module,
+        motion="joint",
+        tolerance_mm=0.5,
+        tolerance_deg=tolerance_deg,
+        zone_mm=1.0,
+        state_time=True,
+    )
+    return rapid_program(model, course, options=options)
 
 
 def with_way(model: Model, course: Trajectory, tau: Array) -> Trajectory:

@@ -11,19 +11,19 @@ import numpy as np
 import numpy.typing as npt
 
 from irb2400_ctrl.arrays import Array, one_thread
-from irb2400_ctrl.errors import InfeasibleError, InputError
+from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.excitation.alternatives import NOTHING_LEFT, Alternatives, Pair, named
 from irb2400_ctrl.excitation.assemble import Workshop
 from irb2400_ctrl.excitation.excitation import Excitation
 from irb2400_ctrl.excitation.groups import AmbiguityGroup, group_called
 from irb2400_ctrl.excitation.motion_design import ENOUGH, Budget, Design, merit, standard_course
 from irb2400_ctrl.excitation.pair_separability import CLEAR, Separability
-from irb2400_ctrl.excitation.room import with_room
-from irb2400_ctrl.given import whole
+from irb2400_ctrl.excitation.room import in_room
 from irb2400_ctrl.measurement.prepared_log import PreparedLog
 from irb2400_ctrl.measurement.uniform import LowPass, Recorders
 from irb2400_ctrl.robot import Robot
 from irb2400_ctrl.typed import typed
+from irb2400_ctrl.wording import joined
 
 SHORTEST = 10.0
 LONGEST = 600.0
@@ -65,12 +65,7 @@ def excite(
     asked = group_called(group)
     _check(robot, seconds, joint)
     options = (asked, seconds, joint, seed, budget or Budget(), progress)
-    try:
-        return _excited(with_room(robot), *options)
-    except InfeasibleError:
-        # moves between pieces may lead through floor or column: keep to a place with room
-        narrow = with_room(robot, narrow=True)
-    return _excited(narrow, *options)
+    return in_room(robot, lambda arm: _excited(arm, *options))
 
 
 def _excited(
@@ -94,17 +89,8 @@ def _excited(
             )
         reasons, ceilings = _limits_of_motion(alternatives, standard)
         wanted = _wanted_distances(ceilings)
-        design = Design(
-            workshop,
-            alternatives,
-            wanted,
-            seconds,
-            np.random.default_rng(whole("seed", seed)),
-            joint,
-        )
-        pieces = design.run(budget, progress)
-        progress("joining the pieces")
-        course, _ = workshop.filling(pieces, design.duration, seconds)
+        design = Design(workshop, alternatives, wanted, seconds, seed, joint)
+        course, flavours = design.run(budget, progress)
         planned = workshop.recorded(course, "excited")
         before = alternatives.distances(alternatives.gram(standard))
         after = alternatives.distances(alternatives.gram(planned))
@@ -115,7 +101,7 @@ def _excited(
         course=course,
         tau=workshop.model.inverse_dynamics(course.q, course.qd, course.qdd),
         extent=workshop.extent(course),
-        flavours=tuple(piece.flavour for piece in pieces),
+        flavours=flavours,
         noise=alternatives.noise,
         table=_table(alternatives.pairs, before, after, ceilings, reasons),
         gain=merit(after[0], wanted) - merit(before[0], wanted),
@@ -191,12 +177,8 @@ def _limits_of_motion(alternatives: Alternatives, standard: PreparedLog) -> tupl
         ]
         if len(used) > NAMED:
             parts.append("further inertial parameters")
-        reasons.append(f"{_listed(parts)} can make the same torque in every motion")
+        reasons.append(f"{joined(parts)} can make the same torque in every motion")
     return reasons, ceilings
-
-
-def _listed(parts: list[str]) -> str:
-    return parts[0] if len(parts) == 1 else ", ".join(parts[:-1]) + " and " + parts[-1]
 
 
 def _remembers(kinds: list[str]) -> bool:

@@ -4,6 +4,7 @@ the foot of the robot."""
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -12,6 +13,7 @@ from irb2400_ctrl.excitation.acceleration import AccelerationLimits
 from irb2400_ctrl.excitation.room import floor_and_column, height_and_radius
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.robot import Robot
+from irb2400_ctrl.trajectory import Trajectory
 
 SHARE = 0.9
 """of torque, speed and acceleration limits that an excitation uses; the rest is the controller's"""
@@ -45,6 +47,20 @@ class Extent:
         """Within everything."""
         driven = self.torque <= SHARE and self.speed <= 1.0 and self.acceleration <= 1.0
         return driven and self.box >= 0 and self.clear
+
+    def summary(self, robot: Robot) -> dict[str, Any]:
+        """For `excitation.json`, with the accelerations that the robot's motions keep."""
+        limits = AccelerationLimits.of(robot)
+        return {
+            "max_torque_ratio": self.torque,
+            "max_velocity_ratio": self.speed,
+            "max_acceleration_ratio": self.acceleration,
+            "acceleration_limits_deg_s2": np.degrees(limits.values).tolist(),
+            "acceleration_assumed_of_joints": list(limits.assumed),
+            "smallest_distance_from_joint_box_deg": float(np.degrees(self.box)),
+            "smallest_height_m": self.height,
+            "smallest_radius_m": self.radius,
+        }
 
     def shares(self) -> str:
         """Of the limits that a motor has, in words."""
@@ -135,20 +151,15 @@ def with_share(robot: Robot) -> Robot:
     return robot.model_copy(update={"joints": tuple(joints)})
 
 
-def between(step: float, q: Array, qd: Array, qdd: Array, at: Array) -> tuple[Array, Array, Array]:
-    """q, qd, qdd at the times `at` [s] from rows of a motion: polynomials of degree 5 through their
-    three values.
-
-    Args:
-        step: between two rows [s].
-        q: [rad], shape (m, n).
-        qd: [rad/s], shape (m, n).
-        qdd: [rad/s2], shape (m, n).
-        at: from the first row on, shape (k,).
-    """
-    k = np.clip((at / step).astype(int), 0, len(q) - 2)
-    x = ((at - k * step) / step)[:, None]
-    h = step
+def between(course: Trajectory, at: Array) -> tuple[Array, Array, Array]:
+    """q, qd, qdd of a motion at the times `at` [s], shape (k,): polynomials of degree 5 through the
+    three values of its rows, which are evenly spaced from 0 s on."""
+    q = course.q
+    qd = course.qd
+    qdd = course.qdd
+    h = float(course.time[1])
+    k = np.clip((at / h).astype(int), 0, len(q) - 2)
+    x = ((at - k * h) / h)[:, None]
     p0 = q[k]
     v0 = qd[k] * h
     a0 = qdd[k] * h**2
@@ -164,15 +175,8 @@ def between(step: float, q: Array, qd: Array, qdd: Array, at: Array) -> tuple[Ar
     return value, rate, bend
 
 
-def dense_extent(model: Model, step: float, q: Array, qd: Array, qdd: Array) -> Extent:
-    """Of a whole motion, at `DENSE` instants per row.
-
-    Args:
-        model: of the arm.
-        step: between two rows [s].
-        q: [rad], shape (m, n).
-        qd: [rad/s], shape (m, n).
-        qdd: [rad/s2], shape (m, n).
-    """
-    at = np.linspace(0.0, step * (len(q) - 1), DENSE * (len(q) - 1) + 1)
-    return extent(model, *between(step, q, qd, qdd, at))
+def dense_extent(model: Model, course: Trajectory) -> Extent:
+    """Of a whole motion, at `DENSE` instants per row."""
+    steps = len(course.q) - 1
+    at = np.linspace(0.0, course.time[1] * steps, DENSE * steps + 1)
+    return extent(model, *between(course, at))

@@ -75,10 +75,6 @@ def few_speeds(fastest: float = 0.5) -> Array:
 def friction_runs(workshop: Workshop, seed: int = 0) -> FrictionRuns:
     """Plan the runs of all joints.
 
-    Args:
-        workshop: what the arm may do.
-        seed: of the postures that are tried.
-
     Raises:
         InfeasibleError: the limits leave no posture for a joint.
     """

@@ -4,28 +4,24 @@ from __future__ import annotations
 
 import shlex
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from irb2400_ctrl.arrays import Array, one_thread
-from irb2400_ctrl.errors import InfeasibleError
 from irb2400_ctrl.excitation.acceleration import AccelerationLimits
 from irb2400_ctrl.excitation.assemble import Workshop
 from irb2400_ctrl.excitation.base_information import BaseInformation
-from irb2400_ctrl.excitation.excitation import with_way
+from irb2400_ctrl.excitation.excitation import COARSE_DEG, rapid_module, with_way
 from irb2400_ctrl.excitation.excite import check_duration
 from irb2400_ctrl.excitation.feasible import Extent
 from irb2400_ctrl.excitation.friction_runs import FrictionRuns, friction_runs
 from irb2400_ctrl.excitation.motion_design import Budget, Design, standard_course
-from irb2400_ctrl.excitation.room import with_room
+from irb2400_ctrl.excitation.room import in_room
 from irb2400_ctrl.files import write_atomic, write_json
-from irb2400_ctrl.given import whole
 from irb2400_ctrl.model import Model
-from irb2400_ctrl.planners.programs.rapid.rapid_options import RapidOptions
-from irb2400_ctrl.planners.programs.rapid.rapid_program import rapid_program
 from irb2400_ctrl.robot import Robot
 from irb2400_ctrl.trajectory import Trajectory
 from irb2400_ctrl.typed import typed
@@ -63,6 +59,16 @@ class IdentificationMotion:
 
     def summary(self) -> dict[str, Any]:
         """The content of `excitation.json`."""
+        own = self.extent
+        runs = self.runs.extent
+        both = replace(
+            own,
+            torque=max(own.torque, runs.torque),
+            speed=max(own.speed, runs.speed),
+            acceleration=max(own.acceleration, runs.acceleration),
+            height=min(own.height, runs.height),
+            radius=min(own.radius, runs.radius),
+        )
         return {
             "schema_version": 1,
             "for": IDENTIFY,
@@ -75,13 +81,7 @@ class IdentificationMotion:
                 "standard": float(self.distances[0][0]),
                 "planned": float(self.distances[1][0]),
             },
-            "max_torque_ratio": max(self.extent.torque, self.runs.extent.torque),
-            "max_velocity_ratio": max(self.extent.speed, self.runs.extent.speed),
-            "max_acceleration_ratio": max(self.extent.acceleration, self.runs.extent.acceleration),
-            **AccelerationLimits.of(self.robot).summary(),
-            "smallest_distance_from_joint_box_deg": float(np.degrees(self.extent.box)),
-            "smallest_height_m": min(self.extent.height, self.runs.extent.height),
-            "smallest_radius_m": min(self.extent.radius, self.runs.extent.radius),
+            **both.summary(self.robot),
             "friction_speeds_rad_s": [speeds.tolist() for speeds in self.runs.speeds],
         }
 
@@ -113,24 +113,16 @@ class IdentificationMotion:
         folder.mkdir(parents=True, exist_ok=True)
         model = Model(self.robot)
         paths = []
-        for name, course, tau, tolerance in (
-            ("trajectory", self.course, self.tau, 0.2),
-            ("friction_runs", self.runs.course, self.runs.tau, FINE_DEG),
+        runs = self.runs
+        for course, tau, name, module, tolerance in (
+            (self.course, self.tau, "trajectory", "Excitation", COARSE_DEG),
+            (runs.course, runs.tau, "friction_runs", "FrictionRuns", FINE_DEG),
         ):
             paths.append(write_atomic(folder / f"{name}.csv", with_way(model, course, tau).csv()))
-            if self.robot.n != 6:
-                continue
-            options = RapidOptions(
-                module="Excitation" if name == "trajectory" else "FrictionRuns",
-                motion="joint",
-                tolerance_mm=0.5,
-                tolerance_deg=tolerance,
-                zone_mm=1.0,
-                state_time=True,
-            )
-            program = rapid_program(model, course, options=options)
-            stem = "excitation" if name == "trajectory" else name
-            paths.append(program.save(folder / f"{stem}.mod"))
+            if self.robot.n == 6:
+                stem = "excitation" if course is self.course else name
+                program = rapid_module(model, course, module, tolerance)
+                paths.append(program.save(folder / f"{stem}.mod"))
         return [*paths, write_json(folder / "excitation.json", self.summary())]
 
 
@@ -157,12 +149,7 @@ def excite_identification(
     """
     check_duration(seconds)
     options = (seconds, seed, budget or Budget(), progress)
-    try:
-        return _planned(with_room(robot), *options)
-    except InfeasibleError:
-        # moves between pieces may lead through floor or column: keep to a place with room
-        narrow = with_room(robot, narrow=True)
-    return _planned(narrow, *options)
+    return in_room(robot, lambda arm: _planned(arm, *options))
 
 
 def _planned(
@@ -174,11 +161,8 @@ def _planned(
         standard = workshop.recorded(standard_course(workshop, seconds), "standard")
         information = BaseInformation(robot, standard)
         wanted = np.full(information.count, np.inf)
-        rng = np.random.default_rng(whole("seed", seed))
-        design = Design(workshop, information, wanted, seconds, rng)
-        pieces = design.run(budget, progress)
-        progress("joining the pieces")
-        course, _ = workshop.filling(pieces, design.duration, seconds)
+        design = Design(workshop, information, wanted, seconds, seed)
+        course, flavours = design.run(budget, progress)
         planned = workshop.recorded(course, "excited")
         progress("slow runs")
         runs = friction_runs(workshop, seed=seed)
@@ -195,5 +179,5 @@ def _planned(
         numbers=information.names,
         alone=(information.alone(grams[0]), information.alone(grams[1])),
         condition=conditions,
-        flavours=tuple(piece.flavour for piece in pieces),
+        flavours=flavours,
     )

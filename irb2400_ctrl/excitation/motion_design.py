@@ -104,7 +104,7 @@ class Design:
         alternatives: Criterion,
         enough: Array,
         seconds: float,
-        rng: np.random.Generator,
+        seed: int,
         joint: int | None = None,
     ) -> None:
         """`enough`: as in `merit`; `joint` (from 1) always moves."""
@@ -112,14 +112,27 @@ class Design:
         self.alternatives = alternatives
         self.enough = enough
         self.seconds = seconds
-        self.rng = rng
+        self.rng = np.random.default_rng(whole("seed", seed))
         self.joint = joint
         self.slots = max(1, round(seconds / PIECE))
         self.duration = (seconds - MOVE * (self.slots - 1)) / self.slots
         self.timed = alternatives.timed
         self.flavours = [FLAVOURS[name] for name in alternatives.motions]
 
-    def run(self, budget: Budget, progress: Callable[[str], None]) -> list[Piece]:
+    def run(
+        self, budget: Budget, progress: Callable[[str], None]
+    ) -> tuple[Trajectory, tuple[str, ...]]:
+        """The chosen pieces joined to one motion, and their flavours, in order.
+
+        Raises:
+            InfeasibleError: the limits leave no such motion.
+        """
+        pieces = self._pieces(budget, progress)
+        progress("joining the pieces")
+        course = self.workshop.filling(pieces, self.duration, self.seconds)
+        return course, tuple(piece.flavour for piece in pieces)
+
+    def _pieces(self, budget: Budget, progress: Callable[[str], None]) -> list[Piece]:
         """The chosen pieces, in order.
 
         Raises:
@@ -207,10 +220,6 @@ class Design:
 def standard_course(workshop: Workshop, seconds: float) -> Trajectory:
     """The usual identification motion, for comparison: a multi-sine of all axes up to 0.42 Hz about
     the box's middle.
-
-    Args:
-        workshop: what the arm may do.
-        seconds: that it takes [s].
 
     Raises:
         InfeasibleError: none is inside the limits.

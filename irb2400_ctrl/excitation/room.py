@@ -6,16 +6,18 @@ out flat, from which most motions lead into the floor.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import lru_cache
+from typing import TypeVar
 
 import numpy as np
-import numpy.typing as npt
 
-from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.arrays import Array, Mask
 from irb2400_ctrl.errors import InfeasibleError
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.robot import Robot
 
+Found = TypeVar("Found")
 FLOOR = 0.10
 COLUMN = 0.40
 """[m] flange and tool stay this high above the base plane and this far from axis 1; smaller arms
@@ -58,6 +60,20 @@ def height_and_radius(model: Model, q: Array) -> tuple[Array, Array]:
     return p[..., 2].min(axis=0), radius
 
 
+def in_room(robot: Robot, planned: Callable[[Robot], Found]) -> Found:
+    """What is planned for the robot in its ranges, or where these leave no motion in narrow ones:
+    moves between pieces may lead through floor or column.
+
+    Raises:
+        InfeasibleError: neither leaves one.
+    """
+    try:
+        return planned(with_room(robot))
+    except InfeasibleError:
+        narrow = with_room(robot, narrow=True)
+    return planned(narrow)
+
+
 def with_room(robot: Robot, narrow: bool = False) -> Robot:
     """The robot, its ranges narrowed about a place with room if the middle of its box has none, or
     where `narrow` asks for it.
@@ -97,7 +113,7 @@ def with_room(robot: Robot, narrow: bool = False) -> Robot:
     return robot.model_copy(update={"joints": tuple(joints)})
 
 
-def _clear(model: Model, q: Array) -> npt.NDArray[np.bool_]:
+def _clear(model: Model, q: Array) -> Mask:
     height, radius = height_and_radius(model, q)
     floor, column = floor_and_column(model.robot)
     return np.asarray((height >= floor) & (radius >= column))

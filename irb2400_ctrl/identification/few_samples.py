@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from irb2400_ctrl.diagnosis.preparation.metrics import errors
-from irb2400_ctrl.identification.validation import LogComparison
 
 if TYPE_CHECKING:
     from irb2400_ctrl.identification.identification import LogResult
+    from irb2400_ctrl.identification.validation import LogComparison
 
 FEW = 0.005
 """share of the samples; of normal noise these make a twentieth of the squared error"""
@@ -25,8 +25,7 @@ def few_samples(log: LogResult | LogComparison) -> list[str]:
     samples: how much, when, and what is left of the others. An RMSE says nothing of the joint
     then."""
     said = []
-    modelled = log.modelled if isinstance(log, LogComparison) else log.unseen
-    left = np.where(log.known, log.measured - modelled, 0.0)
+    left = np.where(log.known, log.measured - log.modelled, 0.0)
     for j in range(left.shape[1]):
         count = int(log.known[:, j].sum())
         if count < LEAST:
@@ -38,7 +37,7 @@ def few_samples(log: LogResult | LogComparison) -> list[str]:
             continue
         others = log.known.copy()
         others[worst, j] = False
-        rest = errors(log.measured, modelled, others).rmse_over_mean_percent[j]
+        rest = errors(log.measured, log.modelled, others).rmse_over_mean_percent[j]
         at = log.time[worst[-1]] - log.time[0]
         said.append(
             f"joint {j + 1}: {len(worst)} of {count:,} samples make {100 * share:.0f} % of the "

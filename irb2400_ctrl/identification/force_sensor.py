@@ -19,6 +19,7 @@ import numpy as np
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.identification.fitting.consistent_fit import consistent_minimum
+from irb2400_ctrl.identification.fitting.estimate import scaled_inverse
 from irb2400_ctrl.measurement import Log
 from irb2400_ctrl.measurement.prepared_log import prepare
 from irb2400_ctrl.model import Model
@@ -193,8 +194,7 @@ def _errors(A: Array, rows: Array, read: Array, theta: Array, sigma: Array) -> A
     left = (read - rows @ theta) / sigma**2
     parts = np.array_split(np.arange(len(rows)), BLOCKS)
     scores = np.array([np.einsum("kij,ki->j", rows[p], left[p]) for p in parts])
-    size = 1.0 / np.sqrt(np.diag(A))
-    inverse = np.linalg.inv(A * size[:, None] * size) * size[:, None] * size
+    inverse = scaled_inverse(A)
     covariance = inverse @ (scores.T @ scores) @ inverse
     mass = theta[0]
     turn = np.eye(10, 16)

@@ -10,7 +10,7 @@ from irb2400_ctrl.arrays import Array, Integers
 from irb2400_ctrl.diagnosis.estimation.reversals import near_reversals
 from irb2400_ctrl.identification.fitting.baseline import plain_least_squares
 from irb2400_ctrl.identification.fitting.columns import ColumnLayout
-from irb2400_ctrl.identification.fitting.estimate import averaged, estimate
+from irb2400_ctrl.identification.fitting.estimate import FitProblem
 from irb2400_ctrl.identification.fitting.fitted import Fit
 from irb2400_ctrl.identification.fitting.moments import Recording, predicted
 from irb2400_ctrl.identification.identification import LogResult
@@ -55,15 +55,9 @@ def held_out(
     for held in groups(parts, slow):
         seen = np.setdiff1d(every, held)
         rest = found.weighted.taken(seen)
-        again = estimate(
-            rest,
-            found.prior,
-            correlation=found.correlation,
-            positive=positive,
-            start=found.numbers,
-            alike=found.numbers.usual > 1.0,
-        )
-        again = averaged(rest, found.prior, again, found.correlation, positive)
+        problem = FitProblem(rest, found.prior, found.correlation, positive)
+        alike = found.numbers.usual > 1.0
+        again = problem.averaged(problem.estimate(start=found.numbers, alike=alike))
         shortest = plain_least_squares(bare_sums.taken(seen))
         for place, part in enumerate(parts):
             inside = np.isin(part.block, held)

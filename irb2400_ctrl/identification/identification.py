@@ -48,6 +48,11 @@ class LogResult:
     unseen: Array
     plain: Array
 
+    @property
+    def modelled(self) -> Array:
+        """`unseen`, which is what judges the fit."""
+        return self.unseen
+
     def error(self, which: str) -> Errors:
         """Eqs. 75-77 of `before`, `fitted`, `unseen` or `plain`."""
         return errors(self.measured, getattr(self, which), self.known)

@@ -116,11 +116,7 @@ def identify(
 
 
 def _in_true_torque(robot: Robot, seen: Logs, others: Logs, gains: Gains) -> Identification:
-    """The fit to torques over the gains of their channels; the robot says what is read.
-
-    Args:
-        robot: the file; seen, others: logs, and those that judge; gains: of the channels.
-    """
+    """The fit to torques over the gains of their channels; the robot says what is read."""
     true, judges = ([gains.applied(log) for log in some] for some in (seen, others))
     found, fitted = _identified(without_gains(robot), true, judges, gains)
     known = gains.in_robot(found.robot)
@@ -129,12 +125,7 @@ def _in_true_torque(robot: Robot, seen: Logs, others: Logs, gains: Gains) -> Ide
 
 
 def _identified(robot: Robot, seen: Logs, others: Logs, gains: Gains | None) -> Fitted:
-    """The arm, and the fit.
-
-    Args:
-        robot: the file; seen: logs of the arm; others: that judge it.
-        gains: that the logs are already over.
-    """
+    """The arm, and the fit."""
     _check(robot, [*seen, *others])
     sound = understood_logs(robot, seen)
     beside = understood_logs(robot, others)
@@ -193,12 +184,7 @@ def _identified(robot: Robot, seen: Logs, others: Logs, gains: Gains | None) -> 
 def _with_runs(
     parts: Sequence[Recording], runs: Sequence[Sequence[Run]], curves: Sequence[FrictionCurve]
 ) -> list[Recording]:
-    """The recordings with the samples of their runs at constant speed.
-
-    Args:
-        parts: the recordings; runs: of each.
-        curves: friction from all of them.
-    """
+    """The recordings with the samples of their runs at constant speed."""
     return [
         replace(part, motion=with_run_samples(part.motion, some, curves))
         for part, some in zip(parts, runs, strict=True)
@@ -206,12 +192,7 @@ def _with_runs(
 
 
 def _known(found: Fit, covariance: Array, results: Sequence[LogResult]) -> Identified:
-    """How surely the numbers are known, for the robot file.
-
-    Args:
-        found: the fit; covariance: of its numbers, (p, p).
-        results: of the logs that it is to.
-    """
+    """How surely the numbers are known, for the robot file."""
     names = [result.name for result in results]
     return Identified.of(found.layout.names(), covariance, names, slowly_left(results))
 
@@ -219,12 +200,7 @@ def _known(found: Fit, covariance: Array, results: Sequence[LogResult]) -> Ident
 def _recorded_how(
     parts: Sequence[Recording], curves: Sequence[FrictionCurve], sensed: SensedLoad | None
 ) -> list[str]:
-    """Remarks on how the logs were recorded, and what their runs and their sensor tell.
-
-    Args:
-        parts: the recordings; curves: friction at constant speed.
-        sensed: tool on a force sensor.
-    """
+    """Remarks on how the logs were recorded, and what their runs and their sensor tell."""
     return [
         *dict.fromkeys(remark for part in parts for remark in part.motion.remarks),
         *(curve.says() for curve in curves),
@@ -262,13 +238,7 @@ def _agree(fitted: Robot, kept: Robot, part: Recording, torque: Array) -> None:
 def _recorded(
     model: Model, kept: Robot, logs: Sequence[Log], late: Sequence[Late | None]
 ) -> tuple[Source, list[Recording]]:
-    """Where speeds are taken from, and the recordings with what the file knows beside the fit.
-
-    Args:
-        model: of the arm without effects; kept: the file with those that the fit leaves alone.
-        logs: of the arm.
-        late: of each, how late its torques are.
-    """
+    """Where speeds are taken from, and the recordings with what the file knows beside the fit."""
     sources: list[Source] = ["angle"]
     if any(log.qd is not None for log in logs):
         sources.append("speed")

@@ -122,9 +122,6 @@ def prepared(logs: Sequence[Log], source: Source, late: Sequence[Late | None]) -
 def in_robot(robot: Robot, late: Sequence[Late | None]) -> Robot:
     """The robot whose torques are recorded as late as those of all logs: it predicts them as
     recorded. The same robot where the logs differ, or one is in time.
-
-    Args:
-        robot: identified; late: of each log.
     """
     some = [one for one in late if one is not None]
     if len(some) < max(len(late), 1):

@@ -63,9 +63,6 @@ def shared_factor(moved: Sequence[Moved]) -> float | None:
     """The factor by which the masses of most links differ from the file's, None where they share
     none beyond `SHARED`. The first link's hardly shows in any torque, and stays; one that is less
     than the file's may only be left open.
-
-    Args:
-        moved: of every link.
     """
     ratios = np.array([m.after[0] / m.before[0] for m in moved[1:] if m.before[0] > 0.0])
     if len(ratios) < FEWEST:
@@ -125,11 +122,7 @@ def of_the_bodies(moved: Sequence[Moved], results: Sequence[LogResult], doubted:
 
 
 def _sure(extra: Extra, found: Fit, covariance: Array) -> bool:
-    """Whether something that logs tell of it is beyond its standard error.
-
-    Args:
-        extra: one of the fit; found: the fit; covariance: of its numbers, shape (p, p).
-    """
+    """Whether something that logs tell of it is beyond its standard error."""
     values, errors = found.layout.told(extra, found.theta, covariance)
     return bool((np.abs(values) > SURE * errors).any())
 

@@ -35,9 +35,6 @@ def odd_logs(found: Fit, parts: Sequence[Recording]) -> list[str]:
 
     Alone, every other second of a log is left by a fit to the seconds between: a short log, which
     alone fits anything, so accuses nobody.
-
-    Args:
-        found: the fit to all; parts: the recordings, one a log.
     """
     if len(parts) < 2:
         return []
@@ -73,13 +70,7 @@ def odd_logs(found: Fit, parts: Sequence[Recording]) -> list[str]:
 def _told(
     parts: Sequence[Recording], each: Sequence[Array], place: int, joint: int, ratio: float
 ) -> str:
-    """The joint on which they disagree most.
-
-    Args:
-        parts: the recordings; each: what is left of each alone, (n,).
-        place: of the log; joint: from 0.
-        ratio: of what the common fit leaves there.
-    """
+    """The joint on which they disagree most."""
     alone = float(each[place][joint])
     return (
         f"joint {joint + 1} of {parts[place].motion.name} leaves {ratio * alone:.3g} Nm in a fit "
@@ -105,13 +96,7 @@ def _ratios(
 def _ratios_with_own(
     sums: Moments, blocks: Sequence[Integers], each: Sequence[Array], own: Integers
 ) -> Array:
-    """`_ratios` of all logs, each with numbers of its own in some columns, (logs, n).
-
-    Args:
-        sums: of all logs; blocks: of each.
-        each: what is left of each alone, (n,).
-        own: these columns.
-    """
+    """`_ratios` of all logs, each with numbers of its own in some columns, (logs, n)."""
     p = sums.g.shape[-1]
     found = []
     for log, some in enumerate(blocks):
@@ -135,13 +120,7 @@ def _ratios_with_own(
 
 
 def _without(sums: Moments, blocks: Sequence[Integers], each: Sequence[Array], odd: int) -> float:
-    """The worst ratio of the others.
-
-    Args:
-        sums: of all logs; blocks: of each.
-        each: what is left of each alone, (n,).
-        odd: the log that is left out.
-    """
+    """The worst ratio of the others."""
     others = [k for k in range(len(blocks)) if k != odd]
     return float(_ratios(sums, blocks, each, others).max())
 
@@ -171,10 +150,6 @@ def _rms(sums: Moments, own: Integers, theta: Array | tuple[Array, Array]) -> Ar
 
 
 def _counted(squares: Array, count: Array, left: Array) -> Array:
-    """Rms torque of a log that counts, of each joint, shape (n,) [Nm].
-
-    Args:
-        squares: sum of the squared torques; count: of samples; left: mean square that is left.
-    """
+    """Rms torque of a log that counts, of each joint, shape (n,) [Nm]."""
     floor = LITTLE * np.sqrt(squares / np.maximum(count, 1.0))
     return np.where(count >= FEWEST, np.maximum(np.sqrt(left), floor), 0.0)

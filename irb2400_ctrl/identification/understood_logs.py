@@ -27,9 +27,6 @@ LITTLE = 0.02
 def understood_logs(robot: Robot, logs: Sequence[Log]) -> SortedLogs:
     """The logs sorted; one that fits the file's numbers under no reading is taken all the same.
 
-    Args:
-        robot: the file; logs: motions of its arm.
-
     Raises:
         InputError: no log is understood.
     """
@@ -55,9 +52,6 @@ def said_of(*found: SortedLogs) -> list[str]:
 
 def borne_out(found: SortedLogs, results: Sequence[LogResult]) -> list[str]:
     """What is said of logs that the identified arm hardly fits, or the file.
-
-    Args:
-        found: the logs; results: of the identification, by name.
 
     Raises:
         InputError: the arm that was identified does not fit a doubtful log either.

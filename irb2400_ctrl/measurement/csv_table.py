@@ -177,15 +177,7 @@ def _gathered(
     cut: Cut | None,
     progress: Callable[[int], None],
 ) -> Table:
-    """All pieces of a file as one table; of a cut the rows inside alone.
-
-    Args:
-        pieces: of the file, in their order.
-        empty: the table without its columns.
-        names: of the columns.
-        cut: the rows that are kept.
-        progress: called with the number of samples read so far.
-    """
+    """All pieces of a file as one table; of a cut the rows inside alone."""
     columns = [np.empty(0) for _ in names]
     inside: Inside | None = None
     kept_rows: list[Rows] = []

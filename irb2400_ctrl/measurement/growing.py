@@ -7,6 +7,7 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 from irb2400_ctrl.errors import InputError
@@ -55,7 +56,8 @@ def growing_log(
         raise InputError(f"{columns}: a log that grows needs a column of times, found rate_Hz")
     look: Callable[[], Log | None]
     bag = GrowingBag(path, columns, names) if path.suffix.lower() == ".mcap" else None
-    look = _Lines(path, columns, names).new if bag is None else bag.new
+    read = partial(read_log, columns=columns, names=names)
+    look = _Lines(path, read).new if bag is None else bag.new
     begun = False
     waited = 0.0
     while waited < quiet:
@@ -76,10 +78,9 @@ def growing_log(
 class _Lines:
     """The lines of a CSV that were not read yet."""
 
-    def __init__(self, path: Path, columns: Path | None, names: Sequence[str] | None) -> None:
+    def __init__(self, path: Path, reader: Callable[[Path], Log]) -> None:
         self.path = path
-        self.columns = columns
-        self.names = names
+        self.reader = reader
         self.head = b""
         self.read = 0
 
@@ -93,7 +94,9 @@ class _Lines:
         if not self.head or lines.count(b"\n") < LEAST:
             return None
         self.read += len(lines)
-        return _parsed(self.path, self.head + lines, self.columns, self.names)
+        # as if the lines were a file of their own
+        with _as_file(self.path, self.head + lines) as copy:
+            return replace(self.reader(copy), name=str(self.path))
 
 
 def _whole_lines(path: Path, start: int) -> bytes:
@@ -114,12 +117,6 @@ def _head(path: Path, lines: bytes) -> bytes:
             "row per sample, or watch the closed file without --follow"
         )
     return b"".join(lines.splitlines(keepends=True)[: table.first_line - 1])
-
-
-def _parsed(path: Path, text: bytes, columns: Path | None, names: Sequence[str] | None) -> Log:
-    """As if the lines were a file of their own."""
-    with _as_file(path, text) as copy:
-        return replace(read_log(copy, columns=columns, names=names), name=str(path))
 
 
 @contextmanager

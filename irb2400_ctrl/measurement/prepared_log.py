@@ -245,11 +245,6 @@ def _derived(
 ) -> tuple[tuple[Array, ...], bool, int]:
     """q, qd, qdd, qddd, qdddd of a motion, whether all but q come from the recorded speed, and
     samples that a stronger smoothing makes incomplete beside the usual ones.
-
-    Args:
-        q: the angles; instrumented: whether they are the commanded ones.
-        recorded: the log; uniform: the same on the grid.
-        quiet: as of `prepare`.
     """
     step = uniform.step
     if instrumented:

@@ -16,7 +16,7 @@ import numpy.typing as npt
 from scipy.fft import next_fast_len, rfft
 from scipy.optimize import isotonic_regression
 
-from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.arrays import Array, Mask
 from irb2400_ctrl.measurement.log import Log
 from irb2400_ctrl.measurement.motion.held_samples import released
 
@@ -247,7 +247,7 @@ def _missed(q: Array, time: Array) -> Array:
     return missed
 
 
-def _dense(time: Array) -> npt.NDArray[np.bool_]:
+def _dense(time: Array) -> Mask:
     """Where the neighbours are near enough to interpolate from."""
     return np.asarray((time[4:] - time[:-4]) < 8.0 * np.median(np.diff(time)))
 

@@ -92,9 +92,6 @@ def clearly_better(
 def for_one_joint(one: Fit, other: Fit) -> bool:
     """Whether a reading explains a single joint at the cost of all others: what that joint has is
     its own, for no column that is read rightly makes the others' torques harder to explain.
-
-    Args:
-        one: the reading; other: what it is held against.
     """
     most = int(np.argmax(other.left - one.left))
     left = [np.sum(np.delete(fit.left, most) ** 2) for fit in (one, other)]

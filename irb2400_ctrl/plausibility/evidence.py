@@ -229,14 +229,7 @@ class Nominal:
         own: Array,
         beside: Array,
     ) -> Account:
-        """The account beside a misfit of each joint.
-
-        Args:
-            rows, columns, misfit: as of `explained`.
-            own: standard deviation of what the model does not know of a joint over the torque's
-                size, (n,).
-            beside: as of `account`.
-        """
+        """The account beside a misfit of each joint."""
         m, n = rows.tau.shape
         k = columns[1].shape[2]
         known = k + 4 * n

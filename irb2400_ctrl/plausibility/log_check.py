@@ -157,11 +157,7 @@ def examined(robot: Robot | None, log: Log) -> Examined:
 
 
 def _or_over_time(problem: LogProblem | None, says: str) -> LogProblem | None:
-    """A log that is no robot's as a whole may be of this one in parts.
-
-    Args:
-        problem: of the log; says: which part of it does not go with the rest.
-    """
+    """A log that is no robot's as a whole may be of this one in parts."""
     if problem is None or problem.kind != "not_this_robot":
         return problem
     return replace(problem, says=f"{problem.says}; or {says}")
@@ -173,11 +169,7 @@ def _fits(problem: LogProblem | None) -> bool:
 
 
 def _problem(robot: Robot | None, log: Log, understood: Understanding | None) -> LogProblem | None:
-    """Of a log whose columns themselves are whole.
-
-    Args:
-        robot: as of `log_problem`; log: with its time base; understood: how the model explains it.
-    """
+    """Of a log whose columns themselves are whole."""
     problem = None if understood is None else understood.problem
     if robot is not None and _fits(problem):
         problem = _travels(robot, log, understood) or problem

@@ -54,10 +54,6 @@ def mounting_problem(
 def best_mounting(nominal: Nominal, rows: Rows) -> tuple[Fit, LogProblem] | None:
     """How well gravity in another direction explains a log, and what to say of it; None where the
     direction that fits best is the file's.
-
-    Args:
-        nominal: the robot as a yardstick, gravity as its file has it.
-        rows: the slow part of the log as labelled.
     """
     robot = nominal.robot
     size = float(np.linalg.norm(robot.gravity))

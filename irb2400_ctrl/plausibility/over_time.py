@@ -82,10 +82,6 @@ class Stretch:
 def disagreement(nominal: Nominal, rows: Rows) -> str:
     """What the reader should know of a log, a stretch of which does not go with the rest; else
     nothing.
-
-    Args:
-        nominal: the robot as a yardstick.
-        rows: the slow part of the log.
     """
     told = [found for found in stretches(nominal, rows) if found.told]
     if not told:
@@ -101,11 +97,7 @@ def disagreement(nominal: Nominal, rows: Rows) -> str:
 
 
 def stretches(nominal: Nominal, rows: Rows) -> list[Stretch]:
-    """The stretch of each moving joint that goes least with the rest of its torque.
-
-    Args:
-        nominal, rows: as of `disagreement`.
-    """
+    """The stretch of each moving joint that goes least with the rest of its torque."""
     free = nominal.with_unknown_rotors()
     own = np.full(rows.tau.shape[1], OWN)
     X, y, weight = free.weighted(rows, free.columns(rows), own)

@@ -107,10 +107,6 @@ def hold_no_friction(nominal: Nominal, rows: Rows) -> bool:
     """Whether torques are a model's: bodies of any kind, without the file's, leave no friction.
 
     tau = Y(q, qd, qdd) phi + Fc turn + Fv qd + J qdd + o by plain least squares
-
-    Args:
-        nominal: the robot, of which the lengths count.
-        rows: the slow part of the log.
     """
     speed = rms(rows.qd)
     moving = speed > MOVING

@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any
 
+from irb2400_ctrl.wording import listed
+
 
 @dataclass(frozen=True)
 class LogProblem:
@@ -34,5 +36,4 @@ class LogProblem:
 
 def named(joints: tuple[int, ...] | list[int]) -> str:
     """`joint 4` or `joints 2, 3`."""
-    names = ", ".join(str(j) for j in joints)
-    return f"joint {names}" if len(joints) == 1 else f"joints {names}"
+    return f"joint{'s' * (len(joints) != 1)} {listed(joints)}"

@@ -15,6 +15,7 @@ import numpy as np
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.plausibility.problem import named
 from irb2400_ctrl.robot import Robot
+from irb2400_ctrl.wording import listed
 
 DEGREE = np.pi / 180.0
 TURN = 2.0 * np.pi
@@ -212,7 +213,7 @@ def _in_order(reading: Reading, angles: Array, torques: Array) -> Reading:
     rows = angles if reading.kind == "angle_order" else torques
     order = tuple(int(k) for k in rows.argmax(axis=1))
     columns = [k + 1 for k in order]
-    says = f"{ORDERS[reading.kind]}: joints 1 to {len(order)} are columns {_listed(columns)}"
+    says = f"{ORDERS[reading.kind]}: joints 1 to {len(order)} are columns {listed(columns)}"
     return replace(
         reading,
         says=says,
@@ -243,7 +244,3 @@ def _orders(n: int) -> Iterator[tuple[int, ...]]:
 
 def _moved(order: tuple[int, ...]) -> tuple[int, ...]:
     return tuple(k + 1 for k, place in enumerate(order) if place != k)
-
-
-def _listed(numbers: list[int]) -> str:
-    return ", ".join(str(k) for k in numbers)

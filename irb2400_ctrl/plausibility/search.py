@@ -145,11 +145,6 @@ def _beside_what_differs(nominal: Nominal, log: Log, rows: Rows) -> Understandin
 def _contradicted(nominal: Nominal, log: Log, rows: Rows, free: Understanding) -> tuple[int, ...]:
     """Joints (from 1) whose stated friction explains a log worse than an unknown one; all, where
     most do.
-
-    Args:
-        nominal: of the robot as its file states it.
-        log, rows: as it is read, and its slow part.
-        free: the log beside unknown friction of all joints.
     """
     every = set(range(1, nominal.robot.n + 1))
     off = []

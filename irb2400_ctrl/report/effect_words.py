@@ -168,12 +168,7 @@ def overview_lines(found: list[dict[str, str]]) -> list[str]:
 
 
 def excite_line(kind: str, robot: str | None = None) -> str:
-    """The command that plans the motion which separates an effect from its look-alikes.
-
-    Args:
-        kind: of the effect.
-        robot: the file that brings it along.
-    """
+    """The command that plans the motion which separates an effect from its look-alikes."""
     of = "" if robot is None else f" --robot {shlex.quote(robot)}"
     return f"irb2400 excite --for {kind}{of} --out next"
 

@@ -6,9 +6,8 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
-from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.arrays import Array, Mask
 from irb2400_ctrl.robot import Robot
 from irb2400_ctrl.simulation.reference_check import outside_box, too_fast
 from irb2400_ctrl.trajectory import Trajectory
@@ -51,9 +50,7 @@ def bounds_reached(
     }
 
 
-def at_torque_limit(
-    robot: Robot, plant: Robot, signals: Mapping[str, Array]
-) -> npt.NDArray[np.bool_]:
+def at_torque_limit(robot: Robot, plant: Robot, signals: Mapping[str, Array]) -> Mask:
     """Where a torque is cut, by the controller at the limit that it knows or by the drive at its
     own, shape (m, n); behind a lag the torque that acts may not get there.
 
@@ -93,11 +90,11 @@ def in_words(reached: dict[str, Any]) -> list[str]:
     return lines
 
 
-def _left(far: npt.NDArray[np.bool_], row: int) -> list[int]:
+def _left(far: Mask, row: int) -> list[int]:
     """Axes that were near until a row and are far from it on."""
     before = far[max(row - 1, 0)] & (row > 0)
     return [int(j) + 1 for j in np.flatnonzero(far[row] & ~before)]
 
 
-def _axes(reached: npt.NDArray[np.bool_]) -> list[int]:
+def _axes(reached: Mask) -> list[int]:
     return [int(j) + 1 for j in np.flatnonzero(np.asarray(reached).any(axis=0))]

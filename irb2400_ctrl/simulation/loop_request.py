@@ -62,10 +62,6 @@ def controller_parameters(controller: Block, gains: Mapping[str, ArrayLike]) -> 
     """Parameters of the controller under their names in the loop; one number stands for all
     elements.
 
-    Args:
-        controller: that has them.
-        gains: values by name.
-
     Raises:
         InputError: no parameter of that name, other than one or `size` numbers, no numbers, or
             such as the generated code refuses.

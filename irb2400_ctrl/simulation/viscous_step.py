@@ -29,9 +29,6 @@ def braking_rate(robot: Robot) -> float:
     """Largest eigenvalue of W F_v over drawn poses and the one of zeros [1/s]: how fast viscous
     friction stops some motion of the joints. That of elastic joints brakes their rotors, and is
     left out.
-
-    Args:
-        robot: the plant, its rotor inertias included.
     """
     viscous = np.array(robot.friction[:, 2])
     viscous[list(elastic_joints(robot))] = 0.0
@@ -50,10 +47,6 @@ def braking_rate(robot: Robot) -> float:
 def usual_substeps(robot: Robot, period: float) -> int:
     """Time steps per control period that are taken unasked: none longer than `LONGEST_STEP`, and
     as short as viscous friction asks for, but no more than `MOST_SUBSTEPS`.
-
-    Args:
-        robot: the plant.
-        period: of the controller [s].
     """
     fine = min(math.ceil(period / LONGEST_STEP - 1e-9), MOST_SUBSTEPS)
     needed = needed_substeps(robot, period)
@@ -61,10 +54,5 @@ def usual_substeps(robot: Robot, period: float) -> int:
 
 
 def needed_substeps(robot: Robot, period: float) -> int:
-    """Time steps per control period that viscous friction asks for.
-
-    Args:
-        robot: the plant.
-        period: of the controller [s].
-    """
+    """Time steps per control period that viscous friction asks for."""
     return max(1, math.ceil(period * braking_rate(robot) / STEP_SHARE))

@@ -94,12 +94,7 @@ class Tracker:
         self._keep = 1.0 - (RATE / FRICTION) ** 2 / 2 * BLOCK / 60.0
 
     def add(self, joints: Sequence[White], alarms: Sequence[Alarm] = ()) -> Tracked:
-        """One block.
-
-        Args:
-            joints: the rows of the block of each joint.
-            alarms: that it gives.
-        """
+        """One block."""
         k = len(self._x) - 2 * self.n - 1
         told = [
             j

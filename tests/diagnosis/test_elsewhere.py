@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from irb2400_ctrl.arrays import Array
-from irb2400_ctrl.diagnosis.comparison.comparison import Comparison
+from irb2400_ctrl.diagnosis.comparison.comparison import StepComparison
 from irb2400_ctrl.diagnosis.preparation.noise import NoiseModel
 from irb2400_ctrl.diagnosis.regressors.bases import RegressorColumns
 
@@ -21,7 +21,7 @@ THROUGHOUT = np.sin(9 * TIME)
 EVENT = np.where((TIME >= 2) & (TIME < 3), 1.0, 0.0) * np.sin(9 * TIME)
 
 
-def judge(torque: Array, turning: Array | None = None) -> Comparison:
+def judge(torque: Array, turning: Array | None = None) -> StepComparison:
     """Of one joint with white noise, beside an offset; `turning`: its reversals."""
     noise = np.random.default_rng(3).normal(0, 0.01, len(TIME))
     motion = SimpleNamespace(n=1, row_time=TIME, step=1 / RATE)
@@ -30,13 +30,13 @@ def judge(torque: Array, turning: Array | None = None) -> Comparison:
     base = np.full((len(TIME), 1, 1), 0.1)
     known = np.ones((len(TIME), 1), dtype=bool)
     model = NoiseModel(known, reversal[:, None], np.zeros(1), 1 / RATE)
-    return Comparison(scan, model, (torque + noise)[:, None], base)
+    return StepComparison(scan, model, (torque + noise)[:, None], base)
 
 
 def shown(
     torque: Array, law: Array, begins: tuple[float, ...] = (), turning: Array | None = None
 ) -> float:
-    """`Comparison.elsewhere` of a law."""
+    """`StepComparison.elsewhere` of a law."""
     comparison = judge(torque, turning)
     size = float(law @ torque / (law @ law))
     candidate: Any = SimpleNamespace(torque=lambda n: size * law[:, None], begins=begins)

@@ -15,7 +15,7 @@ from third_plant.suites import plan
 
 from irb2400_ctrl.diagnosis import Diagnosis, diagnose
 from irb2400_ctrl.diagnosis.bent_numbers import beside_noise
-from irb2400_ctrl.diagnosis.comparison.comparison import Comparison
+from irb2400_ctrl.diagnosis.comparison.comparison import StepComparison
 from irb2400_ctrl.diagnosis.comparison.step import of_the_whole_arm
 from irb2400_ctrl.diagnosis.estimation.candidate import Candidate
 from irb2400_ctrl.diagnosis.estimation.evidence import Score
@@ -55,7 +55,7 @@ def test_a_candidate_relieves_a_base_that_had_been_bent_to_hide_it(
     every = np.ones((600, 1), dtype=bool)
     scan: Any = SimpleNamespace(motion=SimpleNamespace(n=1))
     noise = NoiseModel(every, ~every, np.zeros(1), 0.04)
-    comparison = Comparison(scan, noise, y, 0.1 * shape[:, None, None])
+    comparison = StepComparison(scan, noise, y, 0.1 * shape[:, None, None])
     assert comparison.relieves_base(candidate) == relieved
 
 

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from irb2400_ctrl.diagnosis.comparison.comparison import Comparison
+from irb2400_ctrl.diagnosis.comparison.comparison import StepComparison
 from irb2400_ctrl.diagnosis.estimation.candidate import Candidate
 from irb2400_ctrl.diagnosis.estimation.evidence import Score
 from irb2400_ctrl.diagnosis.preparation.noise import NoiseModel
@@ -17,7 +17,7 @@ from irb2400_ctrl.diagnosis.regressors.bases import RegressorColumns
 
 def leftover(names: tuple[str, ...], known: dict[str, np.ndarray], **given: Any) -> Any:
     """Of a law of rms 2 Nm on joint 2 of two, a fifth of which it may leave."""
-    comparison: Any = Comparison.__new__(Comparison)
+    comparison: Any = StepComparison.__new__(StepComparison)
     comparison.n = 2
     comparison.y = np.zeros((4, 2))
     laws = [SimpleNamespace(name=name, columns=columns) for name, columns in known.items()]
@@ -68,7 +68,7 @@ def test_a_name_with_what_its_law_may_leave_says_more_where_it_left_something(
     )
     every = np.ones((600, 1), dtype=bool)
     noise = NoiseModel(every, ~every, np.zeros(1), 0.04)
-    comparison = Comparison(scan, noise, y, np.full((600, 1, 1), 0.1))
+    comparison = StepComparison(scan, noise, y, np.full((600, 1, 1), 0.1))
     alone = comparison.compared(candidate)
     gained = comparison.with_its_leftover(alone) - alone.evidence
     assert (gained > 50.0) if more else (-10.0 < gained < 1.0)

@@ -9,7 +9,7 @@ import irb2400_ctrl as irb
 from irb2400_ctrl.diagnosis.comparison.acceptance import Acceptance
 from irb2400_ctrl.diagnosis.comparison.criteria import Criteria
 from irb2400_ctrl.diagnosis.estimation.fit import Fitter
-from irb2400_ctrl.diagnosis.regressors import Bases
+from irb2400_ctrl.diagnosis.regressors.bases import Bases
 from irb2400_ctrl.effects import LIBRARY, Effect
 from irb2400_ctrl.measurement import Log
 from irb2400_ctrl.measurement.joined_log import prepare_together

@@ -43,3 +43,16 @@ def test_bodies_of_another_arm_are_said_to_be_so() -> None:
     # what a load moves is no other arm, nor what changed since a reference
     for one in (moved("link 6", "mass_kg", 25.0), replace(far, list="changed")):
         assert "irb2400 identify" not in off_bodies([one])
+
+
+def test_a_number_stands_in_findings_json_as_it_is() -> None:
+    number = Number("special", "link 2", "mass_kg", 20.0, 25.0, 0.5, 10.006)
+    assert list(number.to_json().items()) == [
+        ("list", "special"),
+        ("place", "link 2"),
+        ("name", "mass_kg"),
+        ("before", 20.0),
+        ("after", 25.0),
+        ("standard_error", 0.5),
+        ("sigmas", 10.01),
+    ]

@@ -8,12 +8,12 @@ from typing import Any
 import numpy as np
 from diagnosis.plain_motion import BASES, motion
 
-from irb2400_ctrl.diagnosis.comparison.comparison import Comparison
+from irb2400_ctrl.diagnosis.comparison.comparison import StepComparison
 from irb2400_ctrl.effects import LIBRARY
 
 
 def test_of_rows_that_are_known() -> None:
-    made: Any = Comparison.__new__(Comparison)
+    made: Any = StepComparison.__new__(StepComparison)
     known = np.array([[True, True, False], [True, False, False], [False, True, False]])
     made.noise = SimpleNamespace(known=known)
     torque = np.array([[3.0, 1.0, 9.0], [4.0, 90.0, 9.0], [90.0, 7.0, 9.0]])
@@ -22,7 +22,7 @@ def test_of_rows_that_are_known() -> None:
 
 def test_of_the_samples_of_a_swing_a_filter_leaves_little() -> None:
     m = motion()
-    made: Any = Comparison.__new__(Comparison)
+    made: Any = StepComparison.__new__(StepComparison)
     made.scan = SimpleNamespace(bases=BASES, motion=m)
     stiff = LIBRARY["elastic_joint"].of(6, stiffness_Nm_rad=800.0, damping_ratio=0.02)
     laws = BASES.columns("elastic_joint", 6, m, [stiff.nonlinear], filtered=True)

@@ -36,7 +36,7 @@ def test_a_reference_says_that_what_is_found_has_changed(
 
 @pytest.mark.parametrize("change", [True, False])
 def test_every_ground_of_a_search_knows_it(monkeypatch: pytest.MonkeyPatch, change: bool) -> None:
-    monkeypatch.setattr(selection_module, "Comparison", lambda *_: None)
+    monkeypatch.setattr(selection_module, "StepComparison", lambda *_: None)
     monkeypatch.setattr(selection_module, "Ground", lambda *_, change: change)
     search: Any = Selection.__new__(Selection)
     fit = SimpleNamespace(y=None, Z=None)

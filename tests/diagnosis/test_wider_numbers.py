@@ -43,7 +43,7 @@ def test_wider_numbers_of_the_robot_must_say_more_than_two_best_steps(
         np.testing.assert_array_equal(Z, [[[times, times, 1.0]]])
         return SimpleNamespace(base=SimpleNamespace(log_evidence=gains[times]))
 
-    monkeypatch.setattr(module, "Comparison", compared)
+    monkeypatch.setattr(module, "StepComparison", compared)
     fitter: Any = SimpleNamespace(own=2, friction=0, noise=None)
     stated = SimpleNamespace(log_evidence=gains[1.0])
     beside: Any = SimpleNamespace(y=None, Z=np.ones((1, 1, 3)), base=stated)
@@ -95,7 +95,7 @@ def test_that_which_explains_most_is_taken(
             self.base = SimpleNamespace(log_evidence=nats)
 
     fitter: Any = SimpleNamespace(own=11, friction=9, noise=None)
-    monkeypatch.setattr(module, "Comparison", OfSomeBase)
+    monkeypatch.setattr(module, "StepComparison", OfSomeBase)
     beside: Any = OfSomeBase(None, None, y, Z)
     beside.y = y
     beside.Z = Z

@@ -55,7 +55,7 @@ def planned(limit: float | None) -> IdentificationMotion:
 def largest(course: Trajectory) -> np.ndarray:
     """Of each joint, by the rows' own column, between them, and by the rows' speeds [rad/s2]."""
     at = np.linspace(0.0, course.duration, 5 * len(course.time))
-    dense = between(STEP, course.q, course.qd, course.qdd, at)[2]
+    dense = between(course, at)[2]
     steps = np.diff(course.qd, axis=0) / STEP
     return np.max([np.abs(values).max(axis=0) for values in (course.qdd, dense, steps)], axis=0)
 

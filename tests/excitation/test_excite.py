@@ -44,7 +44,7 @@ def recorded(case: Case, course: Trajectory | None) -> Log:
     commanded = None
     if course is not None:
         time = np.arange(round(course.duration * 1000) + 1) / 1000
-        q = between(1 / 250, course.q, course.qd, course.qdd, time)[0]
+        q = between(course, time)[0]
         commanded = PlantMotion(0.0, 1.0, np.vstack([np.tile(q[0], (1000, 1)), q]))
     log = case.simulate(commanded)[0]
     return Log(time=log.time, q=log.q, qd=log.qd, tau=log.tau, q_ref=log.q_ref)
@@ -58,7 +58,7 @@ def test_every_limit_holds_between_the_rows(group: str, joint: int) -> None:
     course = found.course
     model = Model(ROBOT)
     at = np.linspace(0.0, course.duration, 20 * len(course.time))
-    q, qd, qdd = between(1 / 250, course.q, course.qd, course.qdd, at)
+    q, qd, qdd = between(course, at)
     assert (q >= ROBOT.q_min).all()
     assert (q <= ROBOT.q_max).all()
     assert (np.abs(qd) <= ROBOT.qd_max).all()

@@ -101,9 +101,8 @@ def log_of(case: Case, course: Trajectory | None = None, name: str = "motion") -
     """The log of a case: of its own motion, or of a planned one after a second of rest."""
     commanded = None
     if course is not None:
-        step = float(course.time[1] - course.time[0])
         time = np.arange(round(course.duration * RECORD_RATE) + 1) / RECORD_RATE
-        q = between(step, course.q, course.qd, course.qdd, time)[0]
+        q = between(course, time)[0]
         rest = np.tile(q[0], (round(RECORD_RATE), 1))
         commanded = Motion(0.0, 1.0, np.vstack([rest, q]))
     return as_read(case.recorded(0, commanded), name)

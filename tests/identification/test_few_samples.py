@@ -23,7 +23,7 @@ def log(**spikes: float) -> Any:
     for joint, size in spikes.items():
         measured[2000:2004, int(joint[1]) - 1] += size
     known = np.ones(torque.shape, dtype=bool)
-    return SimpleNamespace(time=time, measured=measured, unseen=torque, known=known)
+    return SimpleNamespace(time=time, measured=measured, modelled=torque, known=known)
 
 
 def test_a_torque_at_its_limit_for_a_moment_is_said() -> None:
@@ -50,7 +50,7 @@ def test_noise_and_what_does_not_count_are_not_said() -> None:
 def test_a_comparison_says_it_too() -> None:
     one = log(j2=60.0)
     still = np.zeros_like(one.measured)
-    seen = LogComparison("a.csv", one.time, still, still, one.measured, one.unseen, one.known)
+    seen = LogComparison("a.csv", one.time, still, still, one.measured, one.modelled, one.known)
     [said] = few_samples(seen)
     told = Validation("arm", (seen,))
     assert f"note: a.csv: {said}" in lines(told)

@@ -16,7 +16,7 @@ import irb2400_ctrl as irb
 from irb2400_ctrl.identification.fitting import fit as fit_module
 from irb2400_ctrl.identification.fitting.choice import PINNED
 from irb2400_ctrl.identification.fitting.columns import ColumnLayout, Extra
-from irb2400_ctrl.identification.fitting.estimate import DOUBT, estimate
+from irb2400_ctrl.identification.fitting.estimate import DOUBT, FitProblem
 from irb2400_ctrl.identification.fitting.fit import NEGATIVE, _signed_rotors, _unread, fit
 from irb2400_ctrl.identification.fitting.fitted import Fit
 from irb2400_ctrl.identification.fitting.moments import (
@@ -146,16 +146,8 @@ def test_numbers_are_halfway_to_those_of_wider_bodies(lacking: Lacking) -> None:
     drives = found.prior.drives.copy()
     drives[found.layout.drive("rotor").start - found.layout.inertial + np.arange(3, 6)] *= PINNED
     held = replace(found.prior, drives=drives)
-    ends = [
-        estimate(
-            found.weighted.summed(),
-            held,
-            correlation=found.correlation,
-            positive=positive,
-            kappa=width * found.numbers.kappa,
-        ).theta
-        for width in (1.0, DOUBT)
-    ]
+    problem = FitProblem(found.weighted.summed(), held, found.correlation, positive)
+    ends = [problem.estimate(kappa=width * found.numbers.kappa).theta for width in (1.0, DOUBT)]
     size = np.abs(ends[1] - ends[0]).max()
     assert size > 0.1
     np.testing.assert_allclose(found.theta, np.mean(ends, axis=0), rtol=0, atol=0.05 * size)

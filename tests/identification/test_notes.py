@@ -129,7 +129,7 @@ def judged(unseen: list[float], plain: list[float]) -> Any:
         time=0.01 * np.arange(400),
         q=np.cumsum(quiet, axis=0),
         measured=10.0 + quiet,
-        unseen=np.full((400, 2), 10.0),
+        modelled=np.full((400, 2), 10.0),
         known=np.ones((400, 2), dtype=bool),
         error=lambda which: SimpleNamespace(rmse_over_mean_percent=np.array(shares[which])),
     )

@@ -9,10 +9,13 @@ import numpy as np
 import pytest
 
 from irb2400_ctrl.cli.planning.margin_lines import margin_lines
-from irb2400_ctrl.identification import LogComparison, Validation
+from irb2400_ctrl.identification import LogComparison, LogResult, Validation
 from irb2400_ctrl.planners.placement import Proof
+from irb2400_ctrl.report.elements.page import Page
+from irb2400_ctrl.report.figures.residual_figures import left_of
 from irb2400_ctrl.report.pages.diagnosis_tables import recalibration_rows
 from irb2400_ctrl.report.pages.placement_page import _sentence
+from irb2400_ctrl.report.pages.residual_section import add_parity, add_residual
 from irb2400_ctrl.report.pages.validation_page import validation_page
 from irb2400_ctrl.robot import load_robot
 
@@ -101,3 +104,29 @@ def test_a_clearance_is_told_as_far_as_it_was_measured() -> None:
     lines = margin_lines({"margins": {"clearance_mm": 12.34}}, seen)
     assert lines[1].split()[-5:] == ["12.3", "20", "or", "more", "20"]
     assert lines[3].split()[-3:] == ["-", "29.9", "20"]
+
+
+def test_an_identified_arm_is_judged_by_what_its_fit_had_not_seen() -> None:
+    seen = compared(1.0)
+    log = LogResult(
+        name=seen.log,
+        role="identification",
+        time=seen.time,
+        q=seen.q,
+        qd=seen.qd,
+        measured=seen.measured,
+        known=seen.known,
+        before=np.zeros_like(seen.measured),
+        fitted=seen.measured,
+        unseen=seen.modelled,
+        plain=seen.measured,
+    )
+    page = Page("of an identification")
+    add_parity(page, log)
+    add_residual(page, log, [("identified", left_of(log), "tab:blue")])
+    told = page.html()
+    page = Page("of an identification")
+    add_parity(page, seen)
+    add_residual(page, seen, [("identified", left_of(seen), "tab:blue")])
+    assert told == page.html()
+    assert "on joint 1 it goes with the direction (+0.69)" in told

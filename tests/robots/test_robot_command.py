@@ -245,3 +245,9 @@ def test_a_rotor_that_is_stated_and_in_no_torque_is_said() -> None:
     without = robot.model_copy(update={"effects": robot.effects[:-1]})
     (note,) = [note for note in plausibility(without) if "motor_inertia" in note]
     assert note.startswith("axis_6: motor_inertia_kgm2 and gear_ratio make 0.194 kg m2")
+
+
+def test_what_was_written_is_said_last(tmp_path: Path) -> None:
+    out = tmp_path / "arm.toml"
+    told = RUN.invoke(app, ["robot", "new", "--out", str(out)])
+    assert told.stdout == f"written: {out}\n"

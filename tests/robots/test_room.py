@@ -12,7 +12,7 @@ import irb2400_ctrl as irb
 from irb2400_ctrl.errors import InfeasibleError
 from irb2400_ctrl.excitation import excite
 from irb2400_ctrl.excitation.motion_design import Budget
-from irb2400_ctrl.excitation.room import floor_and_column, height_and_radius, with_room
+from irb2400_ctrl.excitation.room import floor_and_column, height_and_radius, in_room, with_room
 from irb2400_ctrl.robot import Transform
 
 
@@ -101,3 +101,18 @@ def test_an_excitation_of_every_arm(name: str, tmp_path: Path) -> None:
     assert height.min() >= floor
     assert radius.min() >= column
     assert all(path.is_file() for path in found.write(tmp_path))
+
+
+def test_what_finds_no_way_is_planned_once_more_in_narrow_ranges() -> None:
+    arm = irb.load_robot("irb2400")
+    tried = []
+
+    def planned(room: irb.Robot) -> int:
+        tried.append(room)
+        if len(tried) == 1:
+            raise InfeasibleError("no way")
+        return len(tried)
+
+    assert in_room(arm, planned) == 2
+    assert tried == [arm, with_room(arm, narrow=True)]
+    assert tried[0] != tried[1]

@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from irb2400_ctrl.cli.options import OutOption, RobotOption, input_file, load_arm, output_folder
-from irb2400_ctrl.cli.summary import Summary, answers
+from irb2400_ctrl.cli.summary import Summary, answers, wrote
 
 TrajectoryArgument = Annotated[
     Path, typer.Argument(metavar="TRAJECTORY", help="The trajectory.csv of a plan, or any other.")
@@ -29,6 +29,5 @@ def bag(trajectory: TrajectoryArgument, out: OutOption, robot: RobotOption = "ir
     motion = load_trajectory(trajectory, arm.n)
     written = save_ros_bag(motion, arm.joint_names, out / "trajectory.mcap")
     print(f"{len(motion.time)} points of {', '.join(arm.joint_names)}, {motion.duration:.2f} s")
-    print(f"written: {written}")
     facts = {"points": len(motion.time), "joints": list(arm.joint_names)}
-    return Summary({**facts, "duration_s": motion.duration}, [written])
+    return wrote({**facts, "duration_s": motion.duration}, [written])

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from irb2400_ctrl.cli.command_line import provenance
 from irb2400_ctrl.cli.planning.margin_lines import margin_lines
 from irb2400_ctrl.cli.progress import step
-from irb2400_ctrl.cli.summary import Summary
+from irb2400_ctrl.cli.summary import Summary, wrote
 from irb2400_ctrl.errors import InputError
 
 if TYPE_CHECKING:
@@ -48,5 +48,4 @@ def on_rail(
     for line in margin_lines(facts["start"], facts["found"]):
         print(line)
     print(f"in the cell file: [rail] position_mm = {found.position_mm:g}")
-    print(f"written: {', '.join(map(str, written))}")
-    return Summary(facts, written)
+    return wrote(facts, written)

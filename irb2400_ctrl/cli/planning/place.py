@@ -26,7 +26,7 @@ from irb2400_ctrl.cli.planning.cutting import CuttingForceOption, StiffnessOptio
 from irb2400_ctrl.cli.planning.margin_lines import margin_lines
 from irb2400_ctrl.cli.planning.on_rail import on_rail
 from irb2400_ctrl.cli.progress import step
-from irb2400_ctrl.cli.summary import Summary, answers
+from irb2400_ctrl.cli.summary import Summary, answers, wrote
 from irb2400_ctrl.errors import InputError
 
 if TYPE_CHECKING:
@@ -146,8 +146,7 @@ def _written(facts: dict[str, Any], page: Page, arm: Robot, out: Path) -> Summar
         write_json(out / "placement.json", facts),
         page.write(out / "report.html"),
     ]
-    print(f"written: {', '.join(map(str, written))}")
-    return Summary(facts, written)
+    return wrote(facts, written)
 
 
 def _cell_of(file: Path | None) -> Cell | None:

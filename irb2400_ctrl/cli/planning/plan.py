@@ -48,7 +48,7 @@ from irb2400_ctrl.cli.planning.rapid_out import (
     write_plan_module,
 )
 from irb2400_ctrl.cli.progress import step
-from irb2400_ctrl.cli.summary import Summary, answers, writes
+from irb2400_ctrl.cli.summary import Summary, answers, writes, wrote
 from irb2400_ctrl.errors import UnreachableError
 
 if TYPE_CHECKING:
@@ -247,16 +247,7 @@ def _read(
     spindle_rpm: float | None,
     offsets: list[str] | None,
 ) -> CamProgram:
-    """The program of a file, with one operation alone where that is asked for.
-
-    Args:
-        path: of the file.
-        operation: number or name; None: all of them.
-        units: unit of length, against what the file says.
-        rotary: rotary axes of the machine.
-        spindle_rpm: for feeds per revolution.
-        offsets: where work frames of the control lie.
-    """
+    """The program of a file, with one operation alone where that is asked for."""
     from irb2400_ctrl.planners import read_program
 
     program = read_program(
@@ -317,8 +308,7 @@ def _plan_one(job: Job) -> Summary:
     print(f"{job.program.name}: {len(toolpath)} points, {planned.summary()['duration_s']:.2f} s")
     _print_summary(planned, options["tolerance"])
     paths = [job.out / name for name in written]
-    print(f"written: {', '.join(map(str, paths))}")
-    return Summary(planned.summary(), paths)
+    return wrote(planned.summary(), paths)
 
 
 def _print_summary(planned: Plan, tolerance: float) -> None:

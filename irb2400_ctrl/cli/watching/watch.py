@@ -21,7 +21,7 @@ from irb2400_ctrl.cli.options import (
     output_folder,
 )
 from irb2400_ctrl.cli.progress import step
-from irb2400_ctrl.cli.summary import Summary, answers
+from irb2400_ctrl.cli.summary import Summary, answers, wrote
 from irb2400_ctrl.cli.watching.lines import drifted, learned, status
 
 if TYPE_CHECKING:
@@ -180,16 +180,7 @@ def _told(
     shown: Shown | None,
     suspicions: list[Suspicion],
 ) -> None:
-    """Say and show how things stand until the log ends or Ctrl-C.
-
-    Args:
-        watched: to be fed.
-        pieces: of the log.
-        suspect: whether alarms are diagnosed.
-        every: so often [s].
-        shown: writes the page.
-        suspicions: where they are put.
-    """
+    """Say and show how things stand until the log ends or Ctrl-C."""
     from irb2400_ctrl.watch import Suspicion, followed
 
     lately: list[Seen] = []
@@ -260,5 +251,4 @@ def _ended(watched: Watch, suspicions: list[Suspicion], log: str, out: Path | No
     page = watch_page(watched, suspicions, Path(log).name)
     page.provenance(provenance(watched.robot))
     written = [write_json(out / "watch.json", facts), page.write(out / "report.html")]
-    print(f"written: {', '.join(map(str, written))}")
-    return Summary(facts, written)
+    return wrote(facts, written)

@@ -95,10 +95,6 @@ class AtLoadChanges:
         """Log odds of an effect that makes a link rattle, of the joint that was seen to; zero for
         all others [nats], and beside a chosen flaw of another transmission: that shakes the whole
         wrist.
-
-        Args:
-            candidate: in question.
-            chosen: explanations that are chosen already.
         """
         effects = candidate.effects
         if len(effects) != 1 or not effects[0].search.rattles or candidate.joint is None:

@@ -67,7 +67,7 @@ def _evidence(problem: Problem, candidate: Candidate) -> float:
     return problem.log_evidence + candidate.score.gain
 
 
-class Comparison:
+class StepComparison:
     """What one step is judged on: filtered torques y (rows, n) that are left, and the base Z (rows,
     n, k) that may move."""
 
@@ -220,7 +220,7 @@ class Comparison:
         if columns is None:
             return alternative.evidence
         Z = np.concatenate([self.Z, columns], axis=2)
-        wider = Comparison(self.scan, self.noise, self.y, Z, self.chosen)
+        wider = StepComparison(self.scan, self.noise, self.y, Z, self.chosen)
         return wider.compared(candidate).evidence
 
     def gain_beside(self, candidate: Candidate, columns: Array) -> float:

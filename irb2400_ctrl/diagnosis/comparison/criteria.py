@@ -7,10 +7,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
-from irb2400_ctrl.arrays import Array, rms
-from irb2400_ctrl.diagnosis.comparison.comparison import Alternative, Comparison
+from irb2400_ctrl.arrays import Array, Mask, rms
+from irb2400_ctrl.diagnosis.comparison.comparison import Alternative, StepComparison
 from irb2400_ctrl.diagnosis.estimation.candidate import Candidate
 from irb2400_ctrl.effects import LIBRARY
 from irb2400_ctrl.effects.ambiguity import BaseTerm
@@ -111,7 +110,7 @@ class Threshold:
         self.rms = sizes[0]
         self.largest = criteria.largest * sizes.max(axis=0)
 
-    def accepts(self, comparison: Comparison, alternative: Alternative) -> bool:
+    def accepts(self, comparison: StepComparison, alternative: Alternative) -> bool:
         """Whether an alternative is large enough to matter on at least one joint that it acts on,
         and no leftover of what is chosen there."""
         candidate = alternative.candidate
@@ -137,7 +136,7 @@ class Threshold:
         """The joint (from 1) of whose torque it is the largest share."""
         return int(np.argmax(self._size(candidate) / np.maximum(self.rms, 1e-12))) + 1
 
-    def _shows_moving(self, comparison: Comparison, alternative: Alternative) -> bool:
+    def _shows_moving(self, comparison: StepComparison, alternative: Alternative) -> bool:
         """Whether rows away from reversals show it too, where they must, and as large: a misfit of
         friction, which turns over at reversals, has another size there or none."""
         c = self.criteria
@@ -151,7 +150,7 @@ class Threshold:
             return False
         return not must or 1.0 / c.same_size < size < c.same_size
 
-    def matters(self, comparison: Comparison, alternative: Alternative) -> npt.NDArray[np.bool_]:
+    def matters(self, comparison: StepComparison, alternative: Alternative) -> Mask:
         """Joints on which it is large enough, shape (n,)."""
         c = self.criteria
         candidate = alternative.candidate
@@ -172,7 +171,7 @@ class Threshold:
         return np.asarray(large & (shown > least * self.rms))
 
     def said_by_less(
-        self, comparison: Comparison, alternative: Alternative, every: Sequence[Alternative]
+        self, comparison: StepComparison, alternative: Alternative, every: Sequence[Alternative]
     ) -> bool:
         """Whether an effect too small to be named says what another one or a non-parametric law of
         its joint says, and better: what does not matter by its name does not matter by a wrong one
@@ -196,7 +195,7 @@ class Threshold:
             for other in every
         )
 
-    def _once(self, comparison: Comparison, candidate: Candidate) -> bool:
+    def _once(self, comparison: StepComparison, candidate: Candidate) -> bool:
         """Whether one second of the record says it nearly alone: something happened there, which is
         no law.
 
@@ -212,7 +211,7 @@ class Threshold:
             return False
         return comparison.elsewhere(candidate) < self.criteria.elsewhere
 
-    def _new(self, comparison: Comparison, candidate: Candidate) -> npt.NDArray[np.bool_]:
+    def _new(self, comparison: StepComparison, candidate: Candidate) -> Mask:
         """Joints where it is more than earlier laws of slightly another shape leave, shape (n,).
 
         It must take a good part off the residual there, or, where the base had been bent to hide
@@ -250,7 +249,7 @@ class Threshold:
             new &= more
         return new
 
-    def least_gain(self, comparison: Comparison, alternative: Alternative) -> float:
+    def least_gain(self, comparison: StepComparison, alternative: Alternative) -> float:
         """Log evidence that an alternative needs [nats]."""
         c = self.criteria
         candidate = alternative.candidate
@@ -272,24 +271,24 @@ class Threshold:
         ]
         return min(c.gain, alone + max(left, default=0.0))
 
-    def left_by(self, comparison: Comparison, joint: int | None) -> float:
+    def left_by(self, comparison: StepComparison, joint: int | None) -> float:
         """Log evidence that one of the chosen explanations may have left on a joint (from 1; None:
         on the one with most of it) [nats]."""
         place = slice(None) if joint is None else joint - 1
         left = (float(np.max(self._leaves(comparison, e)[place])) for e in comparison.chosen)
         return max(left, default=0.0)
 
-    def _leaves(self, comparison: Comparison, earlier: Candidate) -> Array:
+    def _leaves(self, comparison: StepComparison, earlier: Candidate) -> Array:
         """Log evidence of what a law of slightly another shape may leave on each joint, shape (n,)
         [nats]."""
         gained = comparison.by_joint(earlier.score.gain, earlier.torque(self.n))
         return np.asarray(earlier.discrepancy_share**2 * gained)
 
-    def in_base(self, comparison: Comparison, candidate: Candidate) -> bool:
+    def in_base(self, comparison: StepComparison, candidate: Candidate) -> bool:
         """Whether other numbers of the robot would give all but a small share of a candidate."""
         return comparison.share_beyond_base(candidate) <= self.criteria.in_base
 
-    def best(self, comparison: Comparison, alternatives: Sequence[Alternative]) -> Alternative:
+    def best(self, comparison: StepComparison, alternatives: Sequence[Alternative]) -> Alternative:
         """The best of the alternatives that may be taken; a non-parametric law only where it says
         more than the best effect, by more than that effect's own law and earlier ones may have
         left."""
@@ -312,7 +311,7 @@ class Threshold:
         return best if best.evidence - rival > needed else known
 
     def _leaves_little(
-        self, comparison: Comparison, known: Alternative, non_parametric: Alternative
+        self, comparison: StepComparison, known: Alternative, non_parametric: Alternative
     ) -> bool:
         """Whether a non-parametric law says hardly more than an effect, however clearly it says it.
 

@@ -10,7 +10,7 @@ from typing import TypeVar
 from irb2400_ctrl.arrays import Mask
 from irb2400_ctrl.diagnosis.comparison.at_load_changes import AtLoadChanges
 from irb2400_ctrl.diagnosis.comparison.at_reversals import AtReversals
-from irb2400_ctrl.diagnosis.comparison.comparison import Alternative, Comparison
+from irb2400_ctrl.diagnosis.comparison.comparison import Alternative, StepComparison
 from irb2400_ctrl.diagnosis.comparison.criteria import Threshold
 from irb2400_ctrl.diagnosis.comparison.onset import JOINTS_OF, Windowing
 from irb2400_ctrl.diagnosis.comparison.passing import slow_ripple, springs
@@ -28,7 +28,7 @@ class Ground:
 
     def __init__(
         self,
-        comparison: Comparison,
+        comparison: StepComparison,
         threshold: Threshold,
         turns: AtReversals,
         load_changes: AtLoadChanges,
@@ -116,10 +116,6 @@ class Ground:
     def lags_on_a_spring(self, late: Alternative, every: Sequence[Alternative]) -> bool:
         """Whether an angle that seems late is a link behind a soft transmission, or one with play:
         one is there, or counts, beside the lateness too, which has no swing.
-
-        Args:
-            late: in question.
-            every: alternatives.
         """
         if not any(e.angle_error[1] for e in late.candidate.effects):
             return False

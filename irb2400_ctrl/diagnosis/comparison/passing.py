@@ -42,12 +42,7 @@ def springs(scan: Scan, problem: Problem, joint: int) -> list[Candidate]:
 def _member(
     scan: Scan, problem: Problem, family: tuple[str, int], point: dict[str, float]
 ) -> Candidate:
-    """A member of a family in its first form.
-
-    Args:
-        scan: of the log; problem: to score it on.
-        family: kind and joint; point: its nonlinear numbers.
-    """
+    """A member of a family in its first form."""
     kind, joint = family
     form = scan.forms(kind, scan.member(*family, point)[0])[0]
     tried = scan.in_form(problem, family, point, form, scan.family_penalty(*family, point))

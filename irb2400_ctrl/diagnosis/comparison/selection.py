@@ -12,7 +12,7 @@ from irb2400_ctrl.arrays import Mask
 from irb2400_ctrl.diagnosis.comparison.acceptance import Acceptance
 from irb2400_ctrl.diagnosis.comparison.at_load_changes import AtLoadChanges
 from irb2400_ctrl.diagnosis.comparison.at_reversals import AtReversals
-from irb2400_ctrl.diagnosis.comparison.comparison import Alternative, Comparison
+from irb2400_ctrl.diagnosis.comparison.comparison import Alternative, StepComparison
 from irb2400_ctrl.diagnosis.comparison.criteria import Criteria, Threshold, of_one_moment
 from irb2400_ctrl.diagnosis.comparison.ground import Ground, Name, named
 from irb2400_ctrl.diagnosis.comparison.scan import Scan
@@ -126,7 +126,7 @@ class Selection:
     def _beside(self, chosen: Sequence[Candidate], on: Mask | None = None) -> Ground:
         """The ground beside what is chosen, on some joints (n,) or all."""
         fit = self.fitter.fit(chosen)
-        comparison = Comparison(self.scan, self.fitter.noise, fit.y, fit.Z, chosen)
+        comparison = StepComparison(self.scan, self.fitter.noise, fit.y, fit.Z, chosen)
         load_changes = self.load_changes
         return Ground(comparison, self.threshold, self.turns, load_changes, on, change=self.change)
 

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from irb2400_ctrl.arrays import Array
-from irb2400_ctrl.diagnosis.comparison.comparison import Comparison
+from irb2400_ctrl.diagnosis.comparison.comparison import StepComparison
 from irb2400_ctrl.diagnosis.comparison.criteria import Criteria
 from irb2400_ctrl.diagnosis.comparison.scan import Scan
 from irb2400_ctrl.diagnosis.comparison.step import Step
@@ -15,7 +15,7 @@ from irb2400_ctrl.diagnosis.estimation.fit import Fitter
 
 
 def rather_wider(
-    scan: Scan, fitter: Fitter, beside: Comparison, step: Step | None, criteria: Criteria
+    scan: Scan, fitter: Fitter, beside: StepComparison, step: Step | None, criteria: Criteria
 ) -> Array | None:
     """How many times further off than stated each number of the robot explains more than two such
     steps as the best one, shape (own,); None where they do not.
@@ -30,7 +30,7 @@ def rather_wider(
     def gained(wider: Array) -> float:
         Z = beside.Z.copy()
         Z[:, :, : fitter.own] *= wider
-        there = Comparison(scan, fitter.noise, beside.y, Z).base
+        there = StepComparison(scan, fitter.noise, beside.y, Z).base
         return float(there.log_evidence - beside.base.log_evidence)
 
     # numbers further off take in several effects at once, of which the best alone says less

@@ -7,9 +7,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-import numpy.typing as npt
 
-from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.arrays import Array, Mask
 from irb2400_ctrl.diagnosis.estimation.evidence import Score
 from irb2400_ctrl.diagnosis.preparation.noise import rests
 from irb2400_ctrl.diagnosis.regressors.bases import RegressorColumns
@@ -60,7 +59,7 @@ class Candidate:
             tau += self.discrepancy.torque(self.score.discrepancy, n)
         return tau
 
-    def acts_on(self, n: int) -> npt.NDArray[np.bool_]:
+    def acts_on(self, n: int) -> Mask:
         """Joints that it gives a torque, shape (n,)."""
         return np.asarray(np.any(self.torque(n) != 0.0, axis=0))
 

@@ -305,15 +305,7 @@ class Fitter:
         nonlinear = tuple(sorted(effect.nonlinear.items()))
         key = (effect.kind, effect.joint, effect.windows_s, discrepancy, filtered, nonlinear)
         if key not in self._cache:
-            (found,) = self.bases.columns(
-                effect.kind,
-                effect.joint,
-                self.motion,
-                [effect.nonlinear],
-                discrepancy=discrepancy,
-                filtered=filtered,
-                windows=effect.windows_s,
-            )
+            found = self.bases.of(effect, self.motion, discrepancy=discrepancy, filtered=filtered)
             values = found.values if filtered else self.motion.recorded_rows(found.values)
             self._cache[key] = self._on_all_joints(found.joints, values)
         return self._cache[key]

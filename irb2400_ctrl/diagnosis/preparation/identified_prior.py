@@ -142,9 +142,6 @@ def _identified_rows(base: BasePrior) -> Array:
 def _rotors(identified: Identified, n: int) -> Array:
     """Rows of L of the rotors; where a reading lacks what accelerates its drive, of the difference
     of the two: the file keeps what the reading lacks, and a log shows no more of them.
-
-    Args:
-        identified: the covariance; n: joints.
     """
     rows = identified.rows(_of_joints("rotor", n))
     for j in range(n):

@@ -9,9 +9,8 @@ from functools import cached_property
 
 import casadi as ca
 import numpy as np
-import numpy.typing as npt
 
-from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.arrays import Array, Mask
 from irb2400_ctrl.diagnosis.regressors.effect_states import Memory
 from irb2400_ctrl.diagnosis.regressors.given_signals import DerivedSignals, GivenSignals
 from irb2400_ctrl.effects import LIBRARY, Effect
@@ -84,6 +83,31 @@ class Bases:
             filtered,
             within(windows, motion.time),
         )
+
+    def of(
+        self,
+        effect: Effect,
+        motion: PreparedLog,
+        *,
+        discrepancy: bool = False,
+        filtered: bool = True,
+    ) -> RegressorColumns:
+        """`columns` of an effect with its own nonlinear parameters, in its windows.
+
+        Args:
+            effect: of the arm; motion: the log, prepared.
+            discrepancy, filtered: as of `columns`.
+        """
+        (found,) = self.columns(
+            effect.kind,
+            effect.joint,
+            motion,
+            [effect.nonlinear],
+            discrepancy=discrepancy,
+            filtered=filtered,
+            windows=effect.windows_s,
+        )
+        return found
 
     def with_beginnings(
         self,
@@ -178,7 +202,7 @@ class _Law:
         motion: PreparedLog,
         grid: list[tuple[float, ...]],
         filtered: bool,
-        active: npt.NDArray[np.bool_],
+        active: Mask,
         law_too: bool = False,
     ) -> list[RegressorColumns]:
         """`law_too`: the basis after the discrepancy."""

@@ -84,26 +84,11 @@ def effect_torque(
         motion: the log, prepared.
         filtered: through the motion's common filter, at its rows.
     """
-    law = bases.columns(
-        effect.kind,
-        effect.joint,
-        motion,
-        [effect.nonlinear],
-        filtered=filtered,
-        windows=effect.windows_s,
-    )[0]
+    law = bases.of(effect, motion, filtered=filtered)
     tau = law.torque(np.array(effect.coefficients()), motion.n)
     if not effect.discrepancy:
         return tau
-    columns = bases.columns(
-        effect.kind,
-        effect.joint,
-        motion,
-        [effect.nonlinear],
-        discrepancy=True,
-        filtered=filtered,
-        windows=effect.windows_s,
-    )[0]
+    columns = bases.of(effect, motion, discrepancy=True, filtered=filtered)
     # further columns tell how a record began: no property of the robot
     kept = RegressorColumns(columns.joints, columns.values[:, :, : len(effect.discrepancy)])
     return tau + kept.torque(np.array(effect.discrepancy), motion.n)

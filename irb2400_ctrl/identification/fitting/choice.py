@@ -11,13 +11,7 @@ from irb2400_ctrl.arrays import Array, rms
 from irb2400_ctrl.effects import LIBRARY
 from irb2400_ctrl.identification.fitting.columns import COUPLED, ColumnLayout, Extra
 from irb2400_ctrl.identification.fitting.cross_validation import unseen_rms
-from irb2400_ctrl.identification.fitting.estimate import (
-    MOST_WIDTH,
-    Estimate,
-    estimate,
-    log_evidence,
-    unbounded_minimum,
-)
+from irb2400_ctrl.identification.fitting.estimate import MOST_WIDTH, Estimate, FitProblem
 from irb2400_ctrl.identification.fitting.fitted import Fit
 from irb2400_ctrl.identification.fitting.moments import Moments
 from irb2400_ctrl.identification.fitting.noise import NOTHING
@@ -110,9 +104,8 @@ class Choice:
         left = []
         for layout in (now.layout, trial.layout):
             places = layout.within(self.whole)
-            parts = (self.sums.part(places), self.prior.part(places))
-            positive = layout.positive()
-            left.append(rms(unseen_rms(*parts, like, self.base.correlation, positive)))
+            problem = self._problem(layout, self.sums.part(places), self.prior.part(places))
+            left.append(rms(unseen_rms(problem, like, bounded=True)))
         return _gains(extra, replace(trial, left=left[1]), replace(now, left=left[0]))
 
     def _reaches_further(self, extra: Extra, trial: _Trial, now: _Trial) -> bool:
@@ -123,15 +116,11 @@ class Choice:
         return bool(upper[0] * trial.left[j] < upper[1] * now.left[j])
 
     def _left_beyond(self, kind: str, one: _Trial) -> Array:
-        """Rms torque that is left on the upper half by a fit to the lower, shape (n,) [Nm].
-
-        Args:
-            kind: whose halves; one: what is fitted.
-        """
+        """Rms torque that is left on the upper half by a fit to the lower, shape (n,) [Nm]."""
         places = one.layout.within(self.whole)
         upper = self.beyond[kind]().part(places)
         lower = self.sums.part(places).summed().less(upper)
-        theta = unbounded_minimum(lower, one.prior, one.like, self.base.correlation)
+        theta = self._problem(one.layout, lower, one.prior).unbounded_minimum(one.like)
         count = np.maximum(upper.count[0], 1.0)
         return np.asarray(np.sqrt(upper.squared_error(theta)[0] / count))
 
@@ -140,22 +129,17 @@ class Choice:
         base = self.base
         layout = replace(self.whole, extras=extras)
         places = layout.within(self.whole)
-        part = self.sums.part(places)
         own = _pinned(base, self.prior.part(places))
-        like = estimate(
-            part,
-            own,
-            correlation=base.correlation,
-            positive=layout.positive(),
-            consistent=False,
-            sigma=base.free.sigma,
-        )
-        left = rms(unseen_rms(part, own, like, base.correlation))
+        problem = self._problem(layout, self.sums.part(places), own)
+        like = problem.estimate(consistent=False, sigma=base.free.sigma)
+        left = rms(unseen_rms(problem, like))
         first = layout.inertial + 4 * layout.n
-        added = layout.positive()[first:]
+        added = problem.positive[first:]
         possible = bool((like.theta[first:][added] > 0.0).all())
-        evidence = log_evidence(part, own, like, base.correlation)
-        return _Trial(layout, own, like, evidence, left, possible)
+        return _Trial(layout, own, like, problem.log_evidence(like), left, possible)
+
+    def _problem(self, layout: ColumnLayout, sums: Moments, prior: Prior) -> FitProblem:
+        return FitProblem(sums, prior, self.base.correlation, layout.positive())
 
 
 @dataclass(frozen=True)
@@ -198,8 +182,8 @@ def _gains(extra: Extra, trial: _Trial, now: _Trial) -> bool:
 def _pinned(base: Fit, prior: Prior) -> Prior:
     """The prior with friction held at zero that would go below without bounds."""
     layout = base.layout
-    free = unbounded_minimum(base.sums, base.prior, base.numbers, base.correlation)
-    below = layout.positive() & (free < 0.0)
+    problem = FitProblem(base.sums, base.prior, base.correlation, layout.positive())
+    below = problem.positive & (problem.unbounded_minimum(base.numbers) < 0.0)
     below[layout.drive("rotor")] = False
     drives = prior.drives.copy()
     drives[np.flatnonzero(below) - layout.inertial] *= PINNED

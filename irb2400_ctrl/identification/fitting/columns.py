@@ -203,11 +203,7 @@ def _drive_signals(
 def _extra_signals(
     model: Model, extra: Extra, states: States, load: Array
 ) -> list[tuple[int, Array]]:
-    """(zero-based joint, signal) of each column of an extra, in the order of `EXTRA_COLUMNS`.
-
-    Args:
-        model, states, load: as of `_drive_signals`; extra: whose columns.
-    """
+    """(zero-based joint, signal) of each column of an extra, in the order of `EXTRA_COLUMNS`."""
     q, qd, qdd = states
     j = extra.joint - 1
     if extra.kind in COUPLED:

@@ -48,91 +48,120 @@ class Estimate:
     usual: float = 1.0
 
 
-def estimate(
-    sums: Moments,
-    prior: Prior,
-    *,
-    correlation: Array,
-    positive: Mask,
-    consistent: bool = True,
-    kappa: Array | None = None,
-    sigma: Array | None = None,
-    start: Estimate | None = None,
-    alike: bool = False,
-    rounds: int = 15,
-) -> Estimate:
-    """Fit.
+@dataclass(frozen=True)
+class FitProblem:
+    """What the numbers of an arm follow from.
 
     Args:
+        sums: of recordings; prior: of the robot file.
         correlation: f, samples per independent one, of each joint, shape (n,).
         positive: columns whose numbers cannot be negative, mask (p,).
-        consistent: whether bodies must be possible ones.
-        kappa: fixed widths; default fitted.
-        sigma: fixed noise [Nm], shape (n,); default what is left.
-        start: whose noise and widths to begin with.
-        alike: whether the widths lie about a scale of their own, not about what the file states:
-            bodies of one file may be alike wrong, and what a log hardly shows then is as doubtful
-            as what it shows.
     """
-    n = len(prior.bodies)
-    data = sums.summed()
-    count = np.maximum(data.count[0], 1.0)
-    mean_square = data.c[0] / count
-    widths = np.ones(n) if kappa is None else kappa
-    noise = np.sqrt(np.maximum(mean_square, 1e-12)) if sigma is None else sigma
-    if start is not None:
-        widths = start.kappa
-        noise = start.sigma
-    theta = _start(prior, positive)
-    covariance = np.zeros((len(theta), len(theta)))
-    usual = 1.0
-    for turn in range(rounds):
-        A, b = _normal_equations(data, prior, noise, widths, correlation)
-        covariance = scaled_inverse(A)
-        if consistent:
-            theta = consistent_minimum(A, b, n, np.flatnonzero(positive), theta, near=turn > 0)
-        else:
-            theta = covariance @ b
-        # what the numbers took from the residual is noise too: N less those that a joint determined
-        taken = np.einsum("npq,pq->n", data.H[0], covariance)
-        left = (data.squared_error(theta)[0] + taken) / count
-        before = np.concatenate([noise, widths])
-        if sigma is None:
-            noise = np.sqrt(np.maximum(left, 1e-12 * mean_square + 1e-18))
-        if kappa is None:
-            usual = _usual_width(widths) if alike else 1.0
-            widths = _widths(prior, theta, covariance, widths, usual)
-        # a noise that still falls has not yet let the logs speak
-        if np.abs(np.log(np.concatenate([noise, widths]) / before)).max() < SETTLED:
-            break
-    return Estimate(theta, covariance, noise, widths, usual)
 
+    sums: Moments
+    prior: Prior
+    correlation: Array
+    positive: Mask
 
-def averaged(
-    sums: Moments, prior: Prior, numbers: Estimate, correlation: Array, positive: Mask
-) -> Estimate:
-    """The estimate with numbers halfway to those of widths `DOUBT` times as large.
+    def estimate(
+        self,
+        *,
+        consistent: bool = True,
+        kappa: Array | None = None,
+        sigma: Array | None = None,
+        start: Estimate | None = None,
+        alike: bool = False,
+        rounds: int = 15,
+    ) -> Estimate:
+        """Fit.
 
-    The most probable widths are one value of many, and the mean over them errs less than either
-    end (Bates, Granger 1969). Bodies that can exist are a cone: halfway between two is one too.
+        Args:
+            consistent: whether bodies must be possible ones.
+            kappa: fixed widths; default fitted.
+            sigma: fixed noise [Nm], shape (n,); default what is left.
+            start: whose noise and widths to begin with.
+            alike: whether the widths lie about a scale of their own, not about what the file
+                states: bodies of one file may be alike wrong, and what a log hardly shows then is
+                as doubtful as what it shows.
+            rounds: of numbers, noise and widths in turn, at most.
+        """
+        n = len(self.prior.bodies)
+        data = self.sums.summed()
+        whole = replace(self, sums=data)
+        count = np.maximum(data.count[0], 1.0)
+        mean_square = data.c[0] / count
+        widths = np.ones(n) if kappa is None else kappa
+        noise = np.sqrt(np.maximum(mean_square, 1e-12)) if sigma is None else sigma
+        if start is not None:
+            widths = start.kappa
+            noise = start.sigma
+        theta = _start(self.prior, self.positive)
+        covariance = np.zeros((len(theta), len(theta)))
+        usual = 1.0
+        bounded = np.flatnonzero(self.positive)
+        for turn in range(rounds):
+            A, b = whole._normal_equations(noise, widths)
+            covariance = scaled_inverse(A)
+            if consistent:
+                theta = consistent_minimum(A, b, n, bounded, theta, near=turn > 0)
+            else:
+                theta = covariance @ b
+            # what the numbers took from the residual is noise too: N less those that a joint
+            # determined
+            taken = np.einsum("npq,pq->n", data.H[0], covariance)
+            left = (data.squared_error(theta)[0] + taken) / count
+            before = np.concatenate([noise, widths])
+            if sigma is None:
+                noise = np.sqrt(np.maximum(left, 1e-12 * mean_square + 1e-18))
+            if kappa is None:
+                usual = _usual_width(widths) if alike else 1.0
+                widths = _widths(self.prior, theta, covariance, widths, usual)
+            # a noise that still falls has not yet let the logs speak
+            if np.abs(np.log(np.concatenate([noise, widths]) / before)).max() < SETTLED:
+                break
+        return Estimate(theta, covariance, noise, widths, usual)
 
-    Args:
-        sums: of all recordings.
-        prior: of the robot file.
-        numbers: the estimate.
-        correlation: samples per independent one, of each joint, shape (n,) [-].
-        positive: columns whose numbers cannot be negative, mask (p,).
-    """
-    kappa = DOUBT * numbers.kappa
-    wider = estimate(
-        sums,
-        prior,
-        correlation=correlation,
-        positive=positive,
-        kappa=kappa,
-        start=replace(numbers, kappa=kappa),
-    )
-    return replace(numbers, theta=0.5 * (numbers.theta + wider.theta))
+    def averaged(self, numbers: Estimate) -> Estimate:
+        """The estimate with numbers halfway to those of widths `DOUBT` times as large.
+
+        The most probable widths are one value of many, and the mean over them errs less than either
+        end (Bates, Granger 1969). Bodies that can exist are a cone: halfway between two is one too.
+        """
+        kappa = DOUBT * numbers.kappa
+        wider = self.estimate(kappa=kappa, start=replace(numbers, kappa=kappa))
+        return replace(numbers, theta=0.5 * (numbers.theta + wider.theta))
+
+    def unbounded_minimum(self, like: Estimate) -> Array:
+        """theta without bounds, with the noise and widths of another estimate, shape (p,)."""
+        A, b = self._normal_equations(like.sigma, like.kappa)
+        return np.asarray(scaled_inverse(A) @ b)
+
+    def log_evidence(self, like: Estimate) -> float:
+        """How probable the torques are for this layout, whatever its numbers are [nats].
+
+        Laplace's integral over theta (exact without bounds), at the widths of an estimate.
+        """
+        A, b = self._normal_equations(like.sigma, like.kappa)
+        mean = self.prior.mean
+        precision = self.prior.precision(like.kappa)
+        square = float((self.sums.c.sum(axis=0) / like.sigma**2 / self.correlation).sum())
+        square += float(mean @ precision @ mean - b @ scaled_inverse(A) @ b)
+        half = 0.5 * DEGREES_OF_FREEDOM
+        relative = like.kappa / like.usual
+        widths = -2.0 * (half + 1.0) * np.log(relative) - half / relative**2
+        widths -= 2.0 * np.log(like.usual)
+        count = self.sums.count.sum(axis=0)
+        spread = 2.0 * float((count * np.log(like.sigma) / self.correlation).sum())
+        sizes = spread + np.linalg.slogdet(A)[1] - np.linalg.slogdet(precision)[1]
+        return float(-0.5 * (square + sizes) + widths.sum())
+
+    def _normal_equations(self, sigma: Array, widths: Array) -> tuple[Array, Array]:
+        """A, b of 1/2 theta^T A theta - b^T theta."""
+        weight = 1.0 / (sigma**2 * self.correlation)
+        precision = self.prior.precision(widths)
+        A = np.einsum("n,bnpq->pq", weight, self.sums.H) + precision
+        b = np.einsum("n,bnp->p", weight, self.sums.g) + precision @ self.prior.mean
+        return A, b
 
 
 def _widths(prior: Prior, theta: Array, covariance: Array, widths: Array, usual: float) -> Array:
@@ -150,42 +179,6 @@ def _usual_width(kappa: Array) -> float:
     return max(1.0, float(1.0 / np.sqrt(np.mean(kappa**-2.0))))
 
 
-def unbounded_minimum(sums: Moments, prior: Prior, like: Estimate, correlation: Array) -> Array:
-    """theta without bounds, with the noise and widths of another estimate, shape (p,).
-
-    Args:
-        sums: of all recordings.
-        prior: of the robot file.
-        like: whose noise and widths.
-        correlation: samples per independent one, of each joint, shape (n,) [-].
-    """
-    A, b = _normal_equations(sums, prior, like.sigma, like.kappa, correlation)
-    return np.asarray(scaled_inverse(A) @ b)
-
-
-def log_evidence(sums: Moments, prior: Prior, like: Estimate, correlation: Array) -> float:
-    """How probable the torques are for this layout, whatever its numbers are [nats].
-
-    Laplace's integral over theta (exact without bounds), at the widths of an estimate.
-
-    Args:
-        sums: of all recordings.
-        prior: of the robot file.
-        like: whose noise and widths.
-        correlation: samples per independent one, of each joint, shape (n,) [-].
-    """
-    A, b = _normal_equations(sums, prior, like.sigma, like.kappa, correlation)
-    precision = prior.precision(like.kappa)
-    square = float((sums.c.sum(axis=0) / like.sigma**2 / correlation).sum())
-    square += float(prior.mean @ precision @ prior.mean - b @ scaled_inverse(A) @ b)
-    half = 0.5 * DEGREES_OF_FREEDOM
-    relative = like.kappa / like.usual
-    widths = -2.0 * (half + 1.0) * np.log(relative) - half / relative**2 - 2.0 * np.log(like.usual)
-    spread = 2.0 * float((sums.count.sum(axis=0) * np.log(like.sigma) / correlation).sum())
-    sizes = spread + np.linalg.slogdet(A)[1] - np.linalg.slogdet(precision)[1]
-    return float(-0.5 * (square + sizes) + widths.sum())
-
-
 def _start(prior: Prior, positive: Mask) -> Array:
     """The prior's mean, moved strictly inside what is possible."""
     n = len(prior.bodies)
@@ -194,17 +187,6 @@ def _start(prior: Prior, positive: Mask) -> Array:
     places = np.flatnonzero(positive)
     theta[places] = np.maximum(theta[places], 1e-2 * np.sqrt(prior.drives[places - 10 * n]))
     return theta
-
-
-def _normal_equations(
-    sums: Moments, prior: Prior, sigma: Array, widths: Array, correlation: Array
-) -> tuple[Array, Array]:
-    """A, b of 1/2 theta^T A theta - b^T theta."""
-    weight = 1.0 / (sigma**2 * correlation)
-    precision = prior.precision(widths)
-    A = np.einsum("n,bnpq->pq", weight, sums.H) + precision
-    b = np.einsum("n,bnp->p", weight, sums.g) + precision @ prior.mean
-    return A, b
 
 
 def scaled_inverse(A: Array) -> Array:

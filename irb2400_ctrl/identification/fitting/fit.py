@@ -8,16 +8,11 @@ from functools import cache
 
 import numpy as np
 
-from irb2400_ctrl.arrays import Array, Integers, Mask, rms
+from irb2400_ctrl.arrays import Array, Integers, rms
 from irb2400_ctrl.identification.fitting.choice import PINNED, Choice, candidates
 from irb2400_ctrl.identification.fitting.columns import ColumnLayout, Extra
 from irb2400_ctrl.identification.fitting.cross_validation import FOLDS, unseen_rms
-from irb2400_ctrl.identification.fitting.estimate import (
-    Estimate,
-    averaged,
-    estimate,
-    log_evidence,
-)
+from irb2400_ctrl.identification.fitting.estimate import Estimate, FitProblem
 from irb2400_ctrl.identification.fitting.fitted import Fit
 from irb2400_ctrl.identification.fitting.moments import (
     Moments,
@@ -75,12 +70,7 @@ def fit(model: Model, parts: Sequence[Recording]) -> Fit:
 
 
 def _fitted_to(model: Model, parts: Sequence[Recording], layout: ColumnLayout) -> Fit:
-    """`_fitted` with the sums and the prior of a layout.
-
-    Args:
-        model: of the arm; parts: the recordings.
-        layout: which columns there are.
-    """
+    """`_fitted` with the sums and the prior of a layout."""
     prior = prior_of(model.robot, layout, scale_of(parts))
     return _fitted(model, parts, layout, moments(model, layout, parts), prior)
 
@@ -90,10 +80,8 @@ def left_unseen(model: Model, parts: Sequence[Recording]) -> Array:
     layout = ColumnLayout(model.robot.n)
     sums = moments(model, layout, parts)
     prior = prior_of(model.robot, layout, scale_of(parts))
-    positive = layout.positive()
-    usual = np.full(layout.n, USUAL)
-    like = estimate(sums, prior, correlation=usual, positive=positive, consistent=False)
-    return rms(unseen_rms(sums, prior, like, usual))
+    problem = FitProblem(sums, prior, np.full(layout.n, USUAL), layout.positive())
+    return rms(unseen_rms(problem, problem.estimate(consistent=False)))
 
 
 def scale_of(parts: Sequence[Recording]) -> tuple[Array, Array, Array]:
@@ -120,36 +108,24 @@ def _fitted(
 
     A wrong file would otherwise make the noise look large, and the noise would defend the file.
     """
-    positive = layout.positive()
-    aside = np.full(layout.n, ASIDE)
     held = _without_read_rotors(prior, layout)
-    data = sums.summed()
-    alone = np.ones(layout.n)
-    first = estimate(data, held, correlation=alone, positive=positive, kappa=aside, rounds=5)
+    problem = FitProblem(sums.summed(), held, np.ones(layout.n), layout.positive())
+    first = problem.estimate(kappa=np.full(layout.n, ASIDE), rounds=5)
     # one for all joints: one that lacks a column would otherwise be given up before it is offered
     common = float(np.mean(_factors(model, layout, parts, first.theta)))
     correlation = np.full(layout.n, common)
-    numbers = _most_probable(data, held, correlation, positive, first, alike=False)
+    numbers = _most_probable(replace(problem, correlation=correlation), first, alike=False)
     return Fit(layout, prior, sums, sums, numbers, correlation, first, correlation)
 
 
-def _most_probable(
-    data: Moments, prior: Prior, correlation: Array, positive: Mask, first: Estimate, alike: bool
-) -> Estimate:
+def _most_probable(problem: FitProblem, first: Estimate, alike: bool) -> Estimate:
     """Of a fit that starts from noise that hardly asks the file, one that starts from it, and one
     to which all its bodies may be alike wrong."""
-    wary = estimate(data, prior, correlation=correlation, positive=positive, sigma=first.sigma)
-    tried = [
-        estimate(data, prior, correlation=correlation, positive=positive, start=start)
-        for start in (wary, None)
-    ]
+    wary = problem.estimate(sigma=first.sigma)
+    tried = [problem.estimate(start=start) for start in (wary, None)]
     if alike:
-        tried.append(
-            estimate(
-                data, prior, correlation=correlation, positive=positive, start=wary, alike=True
-            )
-        )
-    return max(tried, key=lambda e: log_evidence(data, prior, e, correlation))
+        tried.append(problem.estimate(start=wary, alike=True))
+    return max(tried, key=problem.log_evidence)
 
 
 def _factors(model: Model, layout: ColumnLayout, parts: Sequence[Recording], theta: Array) -> Array:
@@ -175,9 +151,8 @@ def _settled(model: Model, parts: Sequence[Recording], found: Fit) -> Fit:
     each = _factors(model, layout, weighted, found.free.theta)
     correlation = np.sqrt(each * each.mean())
     held = _without_read_rotors(found.prior, layout)
-    positive = layout.positive()
-    numbers = _most_probable(sums.summed(), held, correlation, positive, found.free, alike=True)
-    numbers = averaged(sums, held, numbers, correlation, positive)
+    problem = FitProblem(sums.summed(), held, correlation, layout.positive())
+    numbers = problem.averaged(_most_probable(problem, found.free, alike=True))
     plain = found.sums.summed()
     left = plain.squared_error(numbers.theta)[0] / np.maximum(plain.count[0], 1.0)
     alike = _factors(model, layout, parts, found.free.theta)
@@ -219,17 +194,12 @@ def _unread(base: Fit, fast: Callable[[], Moments]) -> Integers:
 
 
 def _signed_rotors(base: Fit, data: Moments) -> tuple[Array, Array]:
-    """Rotors that may be below zero, and their standard errors, shape (n,) [kg m2].
-
-    Args:
-        base: whose columns and noise they are; data: one block.
-    """
+    """Rotors that may be below zero, and their standard errors, shape (n,) [kg m2]."""
     rotor = base.layout.drive("rotor")
     bounded = base.layout.positive()
     bounded[rotor] = False
-    signed = estimate(
-        data, base.prior, correlation=base.correlation, positive=bounded, start=base.numbers
-    )
+    problem = FitProblem(data, base.prior, base.correlation, bounded)
+    signed = problem.estimate(start=base.numbers)
     return signed.theta[rotor], np.sqrt(np.diag(signed.covariance))[rotor]
 
 
@@ -238,14 +208,8 @@ def _more_probable(one: Fit, other: Fit) -> bool:
     second leaves: a rotor below zero may as well be an axis lighter than the file says."""
     evidence = []
     for found in (one, other):
-        data = found.sums.summed()
         held = _without_read_rotors(found.prior, found.layout)
-        numbers = estimate(
-            data,
-            held,
-            correlation=other.correlation,
-            positive=found.layout.positive(),
-            start=found.numbers,
-        )
-        evidence.append(log_evidence(data, held, numbers, other.correlation))
+        positive = found.layout.positive()
+        problem = FitProblem(found.sums.summed(), held, other.correlation, positive)
+        evidence.append(problem.log_evidence(problem.estimate(start=found.numbers)))
     return evidence[0] > evidence[1]

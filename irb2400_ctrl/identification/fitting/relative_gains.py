@@ -52,9 +52,6 @@ class _Solution:
 def relative_gains(found: Fit) -> tuple[Array, Array]:
     """Gains of the channels over the middle one of them, and their standard errors, (n,) [-]; one
     and infinity where none is clearly another, and beside such a one for those that tell nothing.
-
-    Args:
-        found: a fit, with the columns that it has taken on.
     """
     n = found.layout.n
     blocks = found.sums.gathered(FOLDS)
@@ -84,11 +81,7 @@ def relative_gains(found: Fit) -> tuple[Array, Array]:
 
 
 def _over_gains(found: Fit, data: Moments, gains: Array) -> Moments:
-    """The sums with the bodies' columns of each joint times its gain.
-
-    Args:
-        found: whose columns they are; data: the sums; gains: (n,).
-    """
+    """The sums with the bodies' columns of each joint times its gain."""
     scale = np.ones((found.layout.n, found.layout.count))
     scale[:, : found.layout.inertial] = gains[:, None]
     H = data.H * scale[:, :, None] * scale[:, None, :]
@@ -96,11 +89,7 @@ def _over_gains(found: Fit, data: Moments, gains: Array) -> Moments:
 
 
 def _solved(found: Fit, data: Moments, *, free: bool) -> _Solution:
-    """Gauss-Newton over all numbers and, where `free`, the gains.
-
-    Args:
-        found: whose columns, noise and prior they are; data: one block; free: else they are one.
-    """
+    """Gauss-Newton over all numbers and, where `free`, the gains."""
     n = found.layout.n
     p = found.layout.count
     bodies = slice(0, found.layout.inertial)

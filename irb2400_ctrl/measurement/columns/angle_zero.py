@@ -9,11 +9,7 @@ from irb2400_ctrl.measurement.table import Table
 
 
 def from_zero(table: Table, given: ColumnMap) -> Table:
-    """The table with the angles counted from the zeros that the map states.
-
-    Args:
-        table: as read; given: the map.
-    """
+    """The table with the angles counted from the zeros that the map states."""
     columns = dict(table.columns)
     for column in given.of(table.columns):
         if column.zero and column.file in columns:

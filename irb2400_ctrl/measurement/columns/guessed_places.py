@@ -179,12 +179,7 @@ def _explained(q: Array, tau: Array) -> float:
 
 
 def _map(form: str, table: Array, clock: int | None, found: Blocks) -> str:
-    """The map as text.
-
-    Args:
-        form: of the names; table: columns in their order; clock: which is the time.
-        found: the blocks that are known.
-    """
+    """The map as text."""
     n = found.joints
     turns = bool(np.abs(table[:, found.angle : found.angle + n]).max() > DEGREES)
     taken = {k for first in (found.angle, *found.rates) for k in range(first, first + n)}
@@ -232,11 +227,7 @@ def _free(count: int, n: int, taken: Collection[int | None]) -> list[int]:
 
 
 def _entry(form: str, n: int, first: int, told: tuple[str, str]) -> list[str]:
-    """One table of the map.
-
-    Args:
-        form: of the names; n: joints; first: column from 0; told: quantity and unit.
-    """
+    """One table of the map."""
     place = f"{{j+{first}}}" if first else "{j}"
     return [
         "[[columns]]",

@@ -14,10 +14,6 @@ Form = tuple[str, str]
 def worded(names: Iterable[str], joints: int | None) -> dict[Form, list[str]]:
     """What stands before and behind such words, and the names in the order of the file: forms of
     which another one has the same words. Words in the order of the alphabet tell none of joints.
-
-    Args:
-        names: of the columns.
-        joints: how many the robot has, where it is known.
     """
     forms: dict[Form, dict[str, str]] = {}
     for name in names:

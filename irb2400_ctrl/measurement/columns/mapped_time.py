@@ -15,10 +15,6 @@ from irb2400_ctrl.measurement.table import Table
 def with_time(table: Table, given: ColumnMap) -> Table:
     """The table with the time of the map in one column; `time_s` [s] where the map states a rate.
 
-    Args:
-        table: as read.
-        given: the map.
-
     Raises:
         InputError: no such columns.
     """

@@ -21,7 +21,7 @@ tells (`pandas` writes nanoseconds).
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -120,21 +120,23 @@ def unit_by_step(stamps: Array) -> float:
     return next((unit for unit in units if step * unit <= SLOWEST), 1.0)
 
 
-def _rtde(table: Table, joints: Sequence[str] | None) -> dict[str, dict[int, str]]:
+def _counted(
+    table: Table, form: re.Pattern[str], signals: Mapping[str, str]
+) -> dict[str, dict[int, str]]:
+    """Names of a form: a word of `signals`, and the joint's place from 0."""
     found: dict[str, dict[int, str]] = {}
-    for name in table.columns:
-        match = _RTDE.fullmatch(name)
-        if match is not None:
-            found.setdefault(_RTDE_SIGNALS[match[1]], {})[int(match[2]) + 1] = name
+    for match in filter(None, map(form.fullmatch, table.columns)):
+        word, *places = match.groups()
+        found.setdefault(signals[word], {})[int(next(filter(None, places))) + 1] = match[0]
     return found
 
 
+def _rtde(table: Table, joints: Sequence[str] | None) -> dict[str, dict[int, str]]:
+    return _counted(table, _RTDE, _RTDE_SIGNALS)
+
+
 def _franka(table: Table, joints: Sequence[str] | None) -> dict[str, dict[int, str]]:
-    found: dict[str, dict[int, str]] = {}
-    for name in table.columns:
-        match = _FRANKA.fullmatch(name)
-        if match is not None:
-            found.setdefault(_FRANKA_SIGNALS[match[1]], {})[int(match[2] or match[3]) + 1] = name
+    found = _counted(table, _FRANKA, _FRANKA_SIGNALS)
     # any recorder may write q0; `tau_J` is Franka's
     return found if 1 in found.get("tau", {}) else {}
 

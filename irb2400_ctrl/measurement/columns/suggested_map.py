@@ -57,10 +57,6 @@ UNITS = {
 def suggested_map(columns: Mapping[str, Array], joints: Sequence[str] | None = None) -> str:
     """The end of a message: a column map to be checked, or that there is no torque; empty where the
     names do not tell.
-
-    Args:
-        columns: of the file, by name.
-        joints: names of the robot's joints in their order, where they are known.
     """
     patterns, rivals, chosen = _choices(columns, joints or ())
     if "tau" not in chosen and {"q", "q_ref"} & chosen.keys():
@@ -103,9 +99,6 @@ def _choices(
 ) -> tuple[dict[str, list[str]], dict[str, list[str]], dict[str, tuple[int, bool, int, str]]]:
     """The forms of names and their columns, the forms of each quantity, and the best of these with
     its rank.
-
-    Args:
-        columns: of the file, by name; joints: names of the robot's.
     """
     lists = interleaved(columns, _row(columns))
     places = {name for one in lists.values() for names in one for name in names}
@@ -177,9 +170,6 @@ def _numbered(columns: Mapping[str, Array]) -> dict[str, list[str]]:
 def _of_some(pattern: str, names: Sequence[str], columns: Mapping[str, Array]) -> bool:
     """Whether as many other columns end as these do: `wrist_{j}_joint/position` counts three of
     six joints, which have names.
-
-    Args:
-        pattern: with a place for the number; names: that it stands for; columns: all of the file.
     """
     tail = re.split(r"\{j0?\}", pattern)[-1]
     alike = [name for name in columns if name.endswith(tail) and not re.search(r"\d", name)]

@@ -37,11 +37,7 @@ class Dialect:
         return list(map(bare, self.split(line)))
 
     def names(self, line: str, row: str) -> list[str]:
-        """Of a header; with blanks in them above columns of one width.
-
-        Args:
-            line: the header; row: the line below it.
-        """
+        """Of a header; with blanks in them above columns of one width."""
         names = self.cells(line)
         wide = _WIDE.split(line.strip())
         fits = self.separator == " " and len(wide) == len(self.cells(row)) < len(names)

@@ -17,12 +17,7 @@ _TOGETHER = re.compile(r"([\w./]*[/.])?name")
 
 
 def echoed_names(row: Sequence[str], number: Callable[[str], bool]) -> list[str] | None:
-    """Names of the columns of such a line; None where it is another.
-
-    Args:
-        row: cells of the first line.
-        number: whether a cell is a number.
-    """
+    """Names of the columns of such a line; None where it is another."""
     if len(row) < 3 or not (number(row[0]) and number(row[1])) or number(row[2]):
         return None
     joints = []
@@ -43,9 +38,6 @@ def echoed_names(row: Sequence[str], number: Callable[[str], bool]) -> list[str]
 def names_joint(column: str, cell: str) -> bool:
     """Whether a cell of a message names a joint, or lists all: it is the same in every message of
     the arm.
-
-    Args:
-        column: its name; cell: of the first sample.
     """
     listed = _TOGETHER.fullmatch(column) is not None and cell[:1] in ("[", "(")
     return listed or _LISTED.fullmatch(column) is not None

@@ -36,10 +36,6 @@ class MixedDecimals:
     def check(self, path: Path, header: Sequence[str]) -> None:
         """Refuse a column in which nothing tells what the point is, or both marks stand.
 
-        Args:
-            path: of the file.
-            header: names of the columns.
-
         Raises:
             InputError: the first such cell.
         """

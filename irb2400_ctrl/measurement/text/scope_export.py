@@ -44,10 +44,6 @@ class ScopeExport:
     def rows(self, path: Path, text: Text) -> Iterator[bytes]:
         """The lines of the table.
 
-        Args:
-            path: of the file.
-            text: its lines.
-
         Raises:
             InputError: channels whose times differ.
         """
@@ -65,9 +61,6 @@ class ScopeExport:
 
     def _one_time(self, path: Path, block: bytes, number: int) -> bytes:
         """Lines with the first of their times alone.
-
-        Args:
-            path: of the file; block: whole lines; number: of the lines before them.
 
         Raises:
             InputError: the times of a line differ.

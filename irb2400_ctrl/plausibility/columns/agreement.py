@@ -13,6 +13,7 @@ from irb2400_ctrl.measurement.log import Log
 from irb2400_ctrl.measurement.log_facts import LAG
 from irb2400_ctrl.plausibility.columns.factors import filled, one_factor, quotients, trapezoid_loss
 from irb2400_ctrl.plausibility.problem import LogProblem, named
+from irb2400_ctrl.wording import listed
 
 DEGREES = 180.0 / np.pi
 CLEAR = 0.9
@@ -184,7 +185,7 @@ def _compared(
         which = [int(joints[k]) + 1 for k in crossed]
         return LogProblem(
             f"{kind}_order",
-            f"the {name} of joints {_text(which)} stands in the columns of {_text(said)}",
+            f"the {name} of joints {listed(which)} stands in the columns of {listed(said)}",
             {"joints": which, "columns": said},
             tuple(which),
         )
@@ -192,7 +193,7 @@ def _compared(
     if turned:
         return LogProblem(
             f"{kind}_sign",
-            f"the {name} of joint {_text(turned)} goes against {other}",
+            f"the {name} of joint {listed(turned)} goes against {other}",
             {"factor": -1.0},
             tuple(turned),
         )
@@ -243,7 +244,7 @@ def _scaled(
     which = [int(joints[k]) + 1 for k in wrong]
     return LogProblem(
         f"{kind}_unit",
-        f"{other} is {factor:.3g} times the {name} on joint {_text(which)}"
+        f"{other} is {factor:.3g} times the {name} on joint {listed(which)}"
         f"{_unit(factor) or _either(kind)}",
         {"factor": float(f"{factor:.4g}")},
         tuple(which),
@@ -274,7 +275,3 @@ def _either(kind: str) -> str:
     if kind != "speed":
         return ""
     return ": one of the two has another unit or gear ratio; correct it, or leave the speed out"
-
-
-def _text(joints: list[int]) -> str:
-    return ", ".join(str(j) for j in joints)

@@ -204,9 +204,6 @@ def _drops(log: Log, j: int, place: int) -> bool:
     """Whether the recorded speed breaks off at a sample as it does nowhere else.
 
     Drives differentiate the encoder: of a stuck one the speed is zero from one row to the next.
-
-    Args:
-        log: with a recorded speed; j: joint from 0; place: the sample.
     """
     assert log.qd is not None
     steps = np.abs(np.diff(log.qd[:, j], append=log.qd[-1, j]))

@@ -8,7 +8,8 @@ from collections.abc import Sequence
 import numpy as np
 from matplotlib.figure import Figure
 
-from irb2400_ctrl.arrays import Array, Mask
+from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.identification import LogComparison, LogResult
 from irb2400_ctrl.identification.residual_tests import (
     Dependence,
     autocorrelation,
@@ -33,6 +34,7 @@ TESTED = (
     "19 of 20 cases; ! is more, and more than 0.1"
 )
 SIGNALS = ("angle", "speed", "direction", "acceleration", "modelled torque")
+Judged = LogResult | LogComparison
 
 
 def autocorrelation_figure(
@@ -61,42 +63,31 @@ def autocorrelation_figure(
     return figure
 
 
-def residual_tests(
-    time: Array, q: Array, qd: Array, measured: Array, modelled: Array, known: Mask
-) -> list[list[Dependence]]:
-    """How much of each joint's residual goes with what of its own motion.
+def left_of(log: Judged) -> Array:
+    """What the model leaves, NaN where a sample does not count, (m, n) [Nm]."""
+    return np.where(log.known, log.measured - log.modelled, np.nan)
 
-    Args:
-        time: [s], (m,).
-        q, qd: angle [rad] and speed [rad/s], (m, n).
-        measured, modelled: torque [Nm], (m, n).
-        known: samples that count, (m, n).
-    """
-    rate = 1.0 / float(np.median(np.diff(time)))
-    qdd = np.gradient(qd, time, axis=0)
+
+def residual_tests(log: Judged) -> list[list[Dependence]]:
+    """How much of each joint's residual goes with what of its own motion."""
+    rate = 1.0 / float(np.median(np.diff(log.time)))
+    signals = (log.q, log.qd, np.sign(log.qd), np.gradient(log.qd, log.time, axis=0), log.modelled)
     found = []
-    for j in range(measured.shape[1]):
-        left = np.where(known[:, j], measured[:, j] - modelled[:, j], np.nan)
-        values = (q[:, j], qd[:, j], np.sign(qd[:, j]), qdd[:, j], modelled[:, j])
+    for j, left in enumerate(left_of(log).T):
         if not np.isfinite(left).any():
             found.append([Dependence(name, 0.0, 1.0) for name in SIGNALS])
             continue
+        values = (signal[:, j] for signal in signals)
         found.append(dependences(left, dict(zip(SIGNALS, values, strict=True)), rate))
     return found
 
 
 def tested_rows(
-    tests: Sequence[Sequence[Dependence]], measured: Array, modelled: Array, known: Mask
+    tests: Sequence[Sequence[Dependence]], log: Judged
 ) -> tuple[list[str], list[list[object]]]:
-    """Head and rows: a joint a row, its fit and its correlations.
-
-    Args:
-        tests: of `residual_tests`.
-        measured, modelled: torque [Nm], (m, n).
-        known: samples that count, (m, n).
-    """
+    """Head and rows: a joint a row, its fit and its correlations."""
     head = ["joint", "fit [%]", *SIGNALS]
-    fits = fit_percent(measured, modelled, known)
+    fits = fit_percent(log.measured, log.modelled, log.known)
     rows: list[list[object]] = [
         [
             str(j + 1),
@@ -108,16 +99,10 @@ def tested_rows(
     return head, rows
 
 
-def lasting(time: Array, measured: Array, modelled: Array, known: Mask) -> Array:
-    """Autocorrelation of each joint's residual after `LASTING_S`, (n,); 0 where there is none.
-
-    Args:
-        time: [s], (m,).
-        measured, modelled: torque [Nm], (m, n).
-        known: samples that count, (m, n).
-    """
-    lag = max(1, round(LASTING_S / float(np.median(np.diff(time)))))
-    left = np.where(known, measured - modelled, np.nan)
+def lasting(log: Judged) -> Array:
+    """Autocorrelation of each joint's residual after `LASTING_S`, (n,); 0 where there is none."""
+    lag = max(1, round(LASTING_S / float(np.median(np.diff(log.time)))))
+    left = left_of(log)
     found = np.zeros(left.shape[1])
     for j, of_joint in enumerate(left.T):
         if np.isfinite(of_joint).any():
@@ -126,12 +111,7 @@ def lasting(time: Array, measured: Array, modelled: Array, known: Mask) -> Array
 
 
 def told_of_tests(tests: Sequence[Sequence[Dependence]], lasts: Array) -> str:
-    """The same in a sentence: per joint what it goes with most, or that it lasts.
-
-    Args:
-        tests: of `residual_tests`.
-        lasts: of `lasting`, (n,).
-    """
+    """The same in a sentence: per joint what it goes with most, or that it lasts."""
     found = []
     for j, joint in enumerate(tests, start=1):
         notable = [d for d in joint if d.notable]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shlex
 from pathlib import Path
 
 import numpy as np
@@ -10,6 +9,7 @@ import numpy as np
 from irb2400_ctrl.diagnosis import Comparison, Diagnosis, Finding
 from irb2400_ctrl.diagnosis.numbers import off_bodies
 from irb2400_ctrl.measurement import Log
+from irb2400_ctrl.report.effect_words import excite_line
 from irb2400_ctrl.report.elements.page import Grade, Page, capital, sentence, show
 from irb2400_ctrl.report.figures.diagnosis_figures import (
     closer_figures,
@@ -175,7 +175,7 @@ def _add_findings(page: Page, diagnosis: Diagnosis, robot: str) -> None:
             "What is left, over the signal that orders it best.",
         )
     order = list(LISTS)
-    other = "" if robot == "irb2400" else f" --robot {shlex.quote(robot)}"
+    other = None if robot == "irb2400" else robot
     for finding in sorted(diagnosis.findings, key=lambda one: order.index(one.list)):
         page.heading(finding_title(finding))
         page.figure(
@@ -188,7 +188,7 @@ def _add_findings(page: Page, diagnosis: Diagnosis, robot: str) -> None:
             page.text(
                 f"This log cannot exclude {', '.join(finding.alternatives)}. Measure next: "
                 f"{finding.splits}. "
-                f"A motion for it: irb2400 excite --for {finding.effect.kind}{other} --out next"
+                f"A motion for it: {excite_line(finding.effect.kind, other)}"
             )
 
 

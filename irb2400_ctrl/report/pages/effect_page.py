@@ -16,12 +16,7 @@ SHOWN = (
 
 
 def effect_page(found: Mapping[str, Any], robot: str | None = None) -> Page:
-    """The page.
-
-    Args:
-        found: of `report.effect_words.explain`.
-        robot: the file that brings the effect along.
-    """
+    """The page."""
     page = Page(f"The effect {found['kind']}")
     page.answer(
         sentence(found["sentence"]),

@@ -21,12 +21,7 @@ FEW = 10
 
 @typed
 def identification_motion_page(found: IdentificationMotion, robot: str = "irb2400") -> Page:
-    """The whole report.
-
-    Args:
-        found: both motions.
-        robot: name or file by which the arm was asked for.
-    """
+    """The whole report."""
     model = Model(found.robot)
     motion = with_way(model, found.course, found.tau)
     runs = with_way(model, found.runs.course, found.runs.tau)

@@ -19,19 +19,12 @@ from irb2400_ctrl.identification.moved import ALARM, Moved
 from irb2400_ctrl.measurement import Log
 from irb2400_ctrl.measurement.prepared_log import UNEVEN
 from irb2400_ctrl.report.elements.page import Grade, Page, sentence, with_error
-from irb2400_ctrl.report.elements.plots import Line, joint_plots, parity, small, spectrum
+from irb2400_ctrl.report.elements.plots import Line, joint_plots, small
 from irb2400_ctrl.report.figures.friction_figures import friction_figure, law_rows, run_figure
-from irb2400_ctrl.report.figures.residual_figures import (
-    AUTOCORRELATION,
-    TESTED,
-    autocorrelation_figure,
-    lasting,
-    residual_tests,
-    tested_rows,
-    told_of_tests,
-)
+from irb2400_ctrl.report.figures.residual_figures import left_of
 from irb2400_ctrl.report.figures.residual_view import residual_view
 from irb2400_ctrl.report.pages.diagnosis_tables import UNITS
+from irb2400_ctrl.report.pages.residual_section import add_parity, add_residual
 from irb2400_ctrl.typed import typed
 from irb2400_ctrl.wording import up_to
 
@@ -164,56 +157,14 @@ def _facts(result: Identification) -> list[tuple[str, str]]:
 
 def _add_log(page: Page, log: LogResult) -> None:
     """Parity, residual and its spectrum, before and after."""
-    joints = range(log.measured.shape[1])
     page.heading(Path(log.name).name)
-    page.figures(
-        [
-            parity(log.measured[log.known[:, j], j], log.unseen[log.known[:, j], j], j + 1)
-            for j in joints
-        ],
-        "Parity: predicted over measured torque, samples that count.",
-    )
+    add_parity(page, log)
     before = np.where(log.known, log.measured - log.before, np.nan)
-    after = np.where(log.known, log.measured - log.unseen, np.nan)
-    lines = [
-        Line(before, "tab:red", "file as given", 0.7),
-        Line(after, "tab:blue", "identified", 0.7),
-    ]
+    models = [("file as given", before, "tab:red"), ("identified", left_of(log), "tab:blue")]
+    lines = [Line(left, colour, label, 0.7) for label, left, colour in models]
     drawn = joint_plots(log.time - log.time[0], lines, "residual {joint} [Nm]")
     page.figures(drawn, "What is left over time.", zoomable=True)
-    rate = 1.0 / float(np.median(np.diff(log.time)))
-    page.figures(
-        [
-            spectrum(
-                [
-                    ("file as given", before[:, j], "tab:red"),
-                    ("identified", after[:, j], "tab:blue"),
-                ],
-                rate,
-                j + 1,
-            )
-            for j in joints
-        ],
-        "Root of the power spectrum of what is left.",
-    )
-    page.figures(
-        [
-            autocorrelation_figure(
-                [
-                    ("file as given", before[:, j], "tab:red"),
-                    ("identified", after[:, j], "tab:blue"),
-                ],
-                rate,
-                j + 1,
-            )
-            for j in joints
-        ],
-        AUTOCORRELATION,
-    )
-    tests = residual_tests(log.time, log.q, log.qd, log.measured, log.unseen, log.known)
-    page.table(TESTED, *tested_rows(tests, log.measured, log.unseen, log.known))
-    lasts = lasting(log.time, log.measured, log.unseen, log.known)
-    page.text(told_of_tests(tests, lasts))
+    add_residual(page, log, models)
 
 
 def _add_motion(page: Page, result: Identification, log: Log) -> None:

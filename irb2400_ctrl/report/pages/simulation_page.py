@@ -22,12 +22,7 @@ from irb2400_ctrl.typed import typed
 
 @typed
 def simulation_page(run: Simulation, name: str) -> Page:
-    """The whole report.
-
-    Args:
-        run: what was simulated.
-        name: of the controller.
-    """
+    """The whole report."""
     summary = run.summary()
     page = Page(f"{name} on {run.plant.name}")
     reached = in_words(summary["bounds_reached"])

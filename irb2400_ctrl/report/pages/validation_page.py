@@ -11,17 +11,10 @@ from irb2400_ctrl.identification import LogComparison, Validation
 from irb2400_ctrl.identification.few_samples import few_samples
 from irb2400_ctrl.measurement import Log
 from irb2400_ctrl.report.elements.page import Page, sentence
-from irb2400_ctrl.report.elements.plots import Line, joint_plots, parity, spectrum
-from irb2400_ctrl.report.figures.residual_figures import (
-    AUTOCORRELATION,
-    TESTED,
-    autocorrelation_figure,
-    lasting,
-    residual_tests,
-    tested_rows,
-    told_of_tests,
-)
+from irb2400_ctrl.report.elements.plots import Line, joint_plots
+from irb2400_ctrl.report.figures.residual_figures import left_of
 from irb2400_ctrl.report.figures.residual_view import residual_view
+from irb2400_ctrl.report.pages.residual_section import add_parity, add_residual
 from irb2400_ctrl.robot import Robot
 from irb2400_ctrl.typed import typed
 
@@ -56,7 +49,7 @@ def validation_page(result: Validation, robot: Robot | None = None, log: Log | N
         _add_log(page, seen)
     if robot is not None and log is not None:
         first = result.logs[0]
-        left = np.where(first.known, first.measured - first.modelled, np.nan)[:, worst]
+        left = left_of(first)[:, worst]
         page.heading("The recorded motion")
         view = residual_view(robot, log, first.time, {"by the model": left}, worst + 1)
         page.arm(view, f"The recorded motion, coloured by what is left on joint {worst + 1}.")
@@ -73,31 +66,16 @@ def _add_log(page: Page, seen: LogComparison) -> None:
     ]
     drawn = joint_plots(time, lines, "torque {joint} [Nm]")
     page.figures(drawn, "Torque over time, as the paper's figure 12.", zoomable=True)
-    left = np.where(seen.known, seen.measured - seen.modelled, np.nan)
+    left = left_of(seen)
     drawn = joint_plots(time, [Line(left, width=0.7)], "residual {joint} [Nm]")
     page.figures(drawn, "What the model leaves of it (the residual).", zoomable=True)
     drawn = joint_plots(time, [Line(np.degrees(seen.q))], "angle {joint} [deg]")
     page.figures(drawn, "Angles, as the paper's figure 10.", zoomable=True)
     drawn = joint_plots(time, [Line(np.degrees(seen.qd))], "speed {joint} [deg/s]")
     page.figures(drawn, "Speeds, as the paper's figure 11.", zoomable=True)
-    joints = range(seen.measured.shape[1])
     page.heading("Parity, spectrum, correlation")
-    drawn = [
-        parity(seen.measured[seen.known[:, j], j], seen.modelled[seen.known[:, j], j], j + 1)
-        for j in joints
-    ]
-    page.figures(drawn, "Parity: predicted over measured torque, samples that count.")
-    rate = 1.0 / float(np.median(np.diff(seen.time)))
-    drawn = [spectrum([("left", left[:, j], "tab:blue")], rate, j + 1) for j in joints]
-    page.figures(drawn, "Root of the power spectrum of what is left.")
-    drawn = [
-        autocorrelation_figure([("left", left[:, j], "tab:blue")], rate, j + 1) for j in joints
-    ]
-    page.figures(drawn, AUTOCORRELATION)
-    tests = residual_tests(seen.time, seen.q, seen.qd, seen.measured, seen.modelled, seen.known)
-    page.table(TESTED, *tested_rows(tests, seen.measured, seen.modelled, seen.known))
-    lasts = lasting(seen.time, seen.measured, seen.modelled, seen.known)
-    page.text(told_of_tests(tests, lasts))
+    add_parity(page, seen)
+    add_residual(page, seen, [("left", left, "tab:blue")])
 
 
 def rows(error: Errors) -> tuple[list[str], list[list[object]]]:
