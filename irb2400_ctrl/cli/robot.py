@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 import typer
 
 from irb2400_ctrl.cli import robot_in
-from irb2400_ctrl.cli.options import OutOption, output_folder, robots_named
+from irb2400_ctrl.cli.options import OutOption, output_file, output_folder, robots_named
 from irb2400_ctrl.cli.summary import Summary, answers
 from irb2400_ctrl.wording import counted
 
@@ -105,6 +105,9 @@ def check(
     from irb2400_ctrl.robot import load_robot
 
     arm = load_robot(robot)
+    for path, option in ((project, "--project"), (symmetry_plane, "--symmetry-plane")):
+        if path is not None:
+            output_file(path, option)
     facts = _print_bodies(arm)
     _print_assumed_limits(arm)
     if project is not None:
@@ -133,7 +136,7 @@ def export(
     from irb2400_ctrl.model.consistency import LEAST_MASS_KG, project, with_masses
     from irb2400_ctrl.robot import load_robot
     from irb2400_ctrl.robot.mjcf_export import left_out, save_mjcf
-    from irb2400_ctrl.robot.urdf_export import save_urdf
+    from irb2400_ctrl.robot.urdf_export import friction_left_out, save_urdf
 
     arm = load_robot(robot)
     weighed, bare = (arm, []) if as_is else with_masses(arm)
@@ -147,7 +150,11 @@ def export(
     if format == "mjcf":
         print("left out, the format has no place for them: speed limits")
     if format == "urdf" and arm.coupled:
-        print("left out: the coupling; the joints are link angles A q, the head says how to use it")
+        lost = ", ".join(friction_left_out(arm))
+        print(
+            f"left out: the coupling, and the friction of {lost}; the joints are link angles A q, "
+            "the head says how to use it"
+        )
     if bare:
         print(
             f"{', '.join(bare)} has no mass in the robot file: {1e3 * LEAST_MASS_KG:g} g is "

@@ -104,13 +104,15 @@ def answers(verb: Callable[..., Summary]) -> Callable[..., None]:
                 found = verb(*args, **kwargs)
         except KeyboardInterrupt:
             print(f"irb2400: interrupted; {_done(stood, _standing(out))}", file=sys.stderr)
-            if new and out is not None and out.is_dir() and not any(out.iterdir()):
-                out.rmdir()
             raise typer.Exit(INTERRUPTED) from None
         except Exception as error:
-            if left := _left_over(before, _standing(out)):
+            left = _left_over(before, _standing(out))
+            if left and not str(error).startswith("--out "):
                 error.add_note(_says(out, left))
             raise
+        finally:
+            if new and out is not None and out.is_dir() and not any(out.iterdir()):
+                out.rmdir()
         if as_json:
             print(found.text())
         kept = {path.name for path in found.kept}
