@@ -32,12 +32,11 @@ def blocks_of(page: str, kind: str) -> list[str]:
 
 @pytest.mark.parametrize("page", [*OWN[:2], pytest.param(OWN[2], marks=pytest.mark.slow)])
 def test_scripts_run(page: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """In a folder with a small part, also where the page plans the library's large one."""
+    """On a small part in place of the library's large one."""
     monkeypatch.chdir(tmp_path)
     data = tmp_path / "irb2400_ctrl" / "data"
     data.mkdir(parents=True)
-    for path in (tmp_path / "part.apt", data / "freeform.apt"):
-        path.write_text(SMALL)
+    (data / "freeform.apt").write_text(SMALL)
     blocks = blocks_of(page, "python")
     assert blocks
     for block in blocks:

@@ -161,8 +161,7 @@ def test_the_page(
     """Every command and every line of Python of docs/identification.md."""
     from irb2400_ctrl.cli.main import run
 
-    for path in DATA.glob("*.csv.gz"):
-        shutil.copy(path, tmp_path)
+    shutil.copytree(DATA, tmp_path / "irb2400_ctrl" / "data" / "arm")
     monkeypatch.chdir(tmp_path)
     commands = fenced(PAGE, "sh")[0].splitlines()
     assert len(commands) == 3
