@@ -42,7 +42,10 @@ for name in ("feedforward_pid", "computed_torque", "computed_torque_integral", "
         f"light {np.median(more[:, 0]):+.0f} % ({more[:, 0].min():+.0f} to {more[:, 0].max():+.0f})"
     )
 axes.set(
-    xlabel="mass of the arm against its model [%]", ylabel="TCP error [mm rms]", ylim=(0, None)
+    xlabel="mass of the arm against its model [%]",
+    ylabel="TCP error [mm rms]",
+    ylim=(0, None),
+    title="Median and range of 20 arms",
 )
 axes.grid(alpha=0.3)
 axes.legend()

@@ -68,7 +68,11 @@ for name in ("feedforward_pid", "computed_torque", "computed_torque_integral"):
     (line,) = axes.semilogy(100 * ratios, median, "o-", label=name)
     axes.fill_between(100 * ratios, low, high, color=line.get_color(), alpha=0.15)
 axes.axvline(100, color="k", lw=0.8)
-axes.set(xlabel="torque the plan uses [% of the limit]", ylabel="largest TCP error of 20 arms [mm]")
+axes.set(
+    xlabel="torque the plan uses [% of the limit]",
+    ylabel="largest TCP error [mm]",
+    title="Median and range of 20 arms",
+)
 axes.grid(which="both", alpha=0.3)
 axes.legend()
 figure.tight_layout()

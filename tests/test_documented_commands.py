@@ -14,6 +14,7 @@ import signal
 import subprocess
 import sys
 import time
+from functools import partial
 from pathlib import Path
 from unittest import mock
 
@@ -24,6 +25,7 @@ from only_posix import posix_only
 from test_documented_lines import PAGES, SCRIPTS, blocks
 
 import irb2400_ctrl as irb
+from irb2400_ctrl import excitation
 from irb2400_ctrl.cli.watching import watch as watching
 from irb2400_ctrl.measurement import Log, write_log
 from irb2400_ctrl.watch.watch import between
@@ -33,6 +35,7 @@ DATA = ROOT / "irb2400_ctrl" / "data" / "arm"
 HERE = {
     "diagnosis.md": 3,
     "evaluation.md": 4,
+    "excitation.md": 2,
     "programs_out.md": 2,
     "sweep.md": 5,
     "watching.md": 9,
@@ -135,6 +138,16 @@ def test_diagnosis(folder: Path) -> None:
         out = words(line)[-1]
         assert irb.load_robot(str(folder / out / "robot.toml")).n == 6
         shutil.rmtree(folder / out)
+
+
+@pytest.mark.slow
+def test_excitation(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A motion is sought among few; tests/excitation has the search."""
+    few = excitation.Budget(pool=6, rounds=1, mutations=1)
+    monkeypatch.setattr(excitation, "excite", partial(excitation.excite, budget=few))
+    for line in lines("excitation.md"):
+        assert "load_friction 3 against coulomb_change 3" in run(line)
+        assert (folder / "next_motion" / "excitation.mod").is_file()
 
 
 def sound_arm() -> Log:

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import ast
 import importlib
+import re
 import shlex
 from pathlib import Path
 from typing import Any
@@ -85,3 +86,22 @@ def test_a_script_imports_what_is_there(page: str, script: str) -> None:
             continue
         if node.value.id == "irb":
             assert hasattr(irb, node.attr), f"{page}: irb.{node.attr}"
+
+
+OTHERS = {"--help", "--csv", "--build"}
+"""of typer, ros2 and cmake"""
+
+
+def test_every_option_that_a_page_names_is_there() -> None:
+    """Two pages refused `--timing toppra`, which is an argument in Python alone."""
+    known: set[str] = set(OTHERS)
+    commands: list[Any] = [get_command(app)]
+    for command in commands:
+        commands += getattr(command, "commands", {}).values()
+        for option in command.params:
+            known |= {*option.opts, *option.secondary_opts}
+    for script in [*ROOT.glob("benchmarks/**/*.py"), *ROOT.glob("examples/**/*.py")]:
+        known |= set(re.findall(r"--[a-z][\w-]+", script.read_text()))
+    for page in PAGES:
+        named = set(re.findall(r"(?<![\w-])--[a-z][\w-]+", page.read_text()))
+        assert named <= known, (page.name, named - known)

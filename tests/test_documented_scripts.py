@@ -32,12 +32,11 @@ def blocks_of(page: str, kind: str) -> list[str]:
 
 @pytest.mark.parametrize("page", [*OWN[:2], pytest.param(OWN[2], marks=pytest.mark.slow)])
 def test_scripts_run(page: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """In a folder with a small part, also where the page plans the library's large one."""
+    """On a small part in place of the library's large one."""
     monkeypatch.chdir(tmp_path)
     data = tmp_path / "irb2400_ctrl" / "data"
     data.mkdir(parents=True)
-    for path in (tmp_path / "part.apt", data / "freeform.apt"):
-        path.write_text(SMALL)
+    (data / "freeform.apt").write_text(SMALL)
     blocks = blocks_of(page, "python")
     assert blocks
     for block in blocks:
@@ -62,7 +61,10 @@ def test_every_page_with_a_script_is_run_by_a_test() -> None:
     assert [page for page in pages if f'"{page}"' not in tests] == []
 
 
-def test_no_command_or_script_hides_in_an_indented_block() -> None:
+def test_no_command_or_script_hides_in_a_block_of_no_kind() -> None:
     for page in DOCS.glob("*.md"):
+        for kind, text in re.findall(r"```(\S*)\n(.*?)```", page.read_text(), re.DOTALL):
+            ours = re.search(r"^(irb2400|python|pip|import|from) ", text, re.MULTILINE)
+            assert kind or not ours, (page, text)
         text = re.sub(r"```.*?```", "", page.read_text(), flags=re.DOTALL)
         assert not re.search(r"^ {4}(irb2400|python|pip|import|from) ", text, re.MULTILINE), page

@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 LogsArgument = Annotated[
     list[Path],
     typer.Argument(
-        metavar="LOG...",
+        metavar="LOG",
         help="Measured logs of one arm (docs/logs.md). Of several, one that cannot be used is "
         "named on stderr and in findings.json and left out.",
     ),

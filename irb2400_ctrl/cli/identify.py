@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from irb2400_ctrl.robot import Body
 
 LogsArgument = Annotated[
-    list[Path], typer.Argument(metavar="LOG...", help="Logs of the sound arm (docs/logs.md).")
+    list[Path], typer.Argument(metavar="LOG", help="Logs of the sound arm (docs/logs.md).")
 ]
 ValidateOption = Annotated[
     list[Path] | None,

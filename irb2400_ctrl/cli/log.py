@@ -47,7 +47,7 @@ def log() -> None:
 @app.command(short_help="what logs hold, and whether they can be this robot's")
 @answers
 def check(
-    logs: Annotated[list[Path], typer.Argument(metavar="LOG...", help="Measured logs.")],
+    logs: Annotated[list[Path], typer.Argument(metavar="LOG", help="Measured logs.")],
     robot: RobotOption = "irb2400",
     columns: ColumnsOption = None,
     between: BetweenOption = None,

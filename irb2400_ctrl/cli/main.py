@@ -7,9 +7,10 @@ import os
 import sys
 import traceback
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
+from typer.core import TyperGroup
 
 from irb2400_ctrl.cli import (
     codegen,
@@ -30,8 +31,26 @@ from irb2400_ctrl.cli.watching import watch
 
 TRACEBACK_VARIABLE = "IRB2400_TRACEBACK"
 
+
+class ReaderGone(Exception):
+    """Who read the output (head, less) has had enough."""
+
+
+class Commands(TyperGroup):
+    """The commands; a reader that has gone is told apart from a fault, which typer does not."""
+
+    def invoke(self, ctx: Any) -> Any:
+        try:
+            found = super().invoke(ctx)
+            sys.stdout.flush()
+        except BrokenPipeError as error:
+            raise ReaderGone from error
+        return found
+
+
 app = typer.Typer(
     name="irb2400",
+    cls=Commands,
     no_args_is_help=True,
     pretty_exceptions_enable=False,
     # plain help: no name is cut, no [unit] is taken for markup
@@ -103,8 +122,9 @@ def run() -> None:
         _stop(2, str(error), error)
     except IrbError as error:
         _stop(1, str(error), error)
-    except BrokenPipeError:
-        # the reader of our output (head, less) has gone: not an error of ours
+    except ReaderGone:
+        # not an error of ours; what is left to flush at the end goes nowhere
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         sys.exit(0)
     except MemoryError as error:
         _stop(1, "the memory of this machine was not enough; nothing half-written is left", error)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 from contextvars import ContextVar
 from pathlib import Path
@@ -219,16 +220,33 @@ def input_file(path: Path, what: str) -> Path:
     return path
 
 
-def output_folder(out: Path) -> Path:
-    """The folder, made if missing; InputError when a file is in the way."""
+def output_folder(out: Path, option: str = "--out") -> Path:
+    """The folder, made if missing; InputError when a file is in the way, or nothing may be written
+    there."""
     from irb2400_ctrl.errors import InputError
 
     if out.exists() and not out.is_dir():
-        raise InputError(f"--out {out}: found a file, expected a folder or a new name")
+        raise InputError(f"{option} {out}: found a file, expected a folder or a new name")
     try:
         out.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise InputError(
-            f"--out {out}: cannot make the folder ({error.strerror}); choose another place"
+            f"{option} {out}: cannot make the folder ({error.strerror}); choose another place"
         ) from error
+    if not os.access(out, os.W_OK):
+        raise InputError(
+            f"{option} {out}: found a folder that may not be written to; choose another place, or "
+            "ask for the right to write there"
+        )
+    return out
+
+
+def output_file(out: Path, option: str = "--out") -> Path:
+    """The name of a file to write, its folder made if missing; InputError where that cannot be."""
+    from irb2400_ctrl.errors import InputError
+
+    if out.exists() and not out.is_file():
+        found = "a folder" if out.is_dir() else "a device"
+        raise InputError(f"{option} {out}: found {found}, expected the name of a file")
+    output_folder(out.parent, option)
     return out

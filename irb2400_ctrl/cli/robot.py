@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 import typer
 
 from irb2400_ctrl.cli import robot_in
-from irb2400_ctrl.cli.options import OutOption, output_folder, robots_named
+from irb2400_ctrl.cli.options import OutOption, output_file, output_folder, robots_named
 from irb2400_ctrl.cli.summary import Summary, answers, wrote
 from irb2400_ctrl.wording import counted
 
@@ -105,6 +105,9 @@ def check(
     from irb2400_ctrl.robot import load_robot
 
     arm = load_robot(robot)
+    for path, option in ((project, "--project"), (symmetry_plane, "--symmetry-plane")):
+        if path is not None:
+            output_file(path, option)
     facts = _print_bodies(arm)
     _print_assumed_limits(arm)
     if project is not None:
@@ -138,16 +141,8 @@ def export(
     arm = load_robot(robot)
     weighed, bare = (arm, []) if as_is else with_masses(arm)
     written = weighed if as_is else project(weighed, EXPORT_MARGIN)[0]
-    for line in arm.assumptions():
-        print(line)
     effects = left_out(arm) if format == "mjcf" else sorted({one.kind for one in arm.effects})
-    if effects:
-        print(f"left out, the format has no place for them: {', '.join(effects)}")
-    print("left out, the format has no place for it: static friction and its transition speed")
-    if format == "mjcf":
-        print("left out, the format has no place for them: speed limits")
-    if format == "urdf" and arm.coupled:
-        print("left out: the coupling; the joints are link angles A q, the head says how to use it")
+    _print_left_out(arm, format, effects)
     if bare:
         print(
             f"{', '.join(bare)} has no mass in the robot file: {1e3 * LEAST_MASS_KG:g} g is "
@@ -172,6 +167,25 @@ def export(
         "massless_bodies": bare,
     }
     return wrote(facts, [path])
+
+
+def _print_left_out(arm: Robot, format: str, effects: list[str]) -> None:
+    """What of the robot file the exported one does not say."""
+    from irb2400_ctrl.robot.urdf_export import friction_left_out
+
+    for line in arm.assumptions():
+        print(line)
+    if effects:
+        print(f"left out, the format has no place for them: {', '.join(effects)}")
+    print("left out, the format has no place for it: static friction and its transition speed")
+    if format == "mjcf":
+        print("left out, the format has no place for them: speed limits")
+    elif arm.coupled:
+        lost = ", ".join(friction_left_out(arm))
+        print(
+            f"left out: the coupling, and the friction of {lost}; the joints are link angles A q, "
+            "the head says how to use it"
+        )
 
 
 def _print_bodies(arm: Robot) -> dict[str, Any]:

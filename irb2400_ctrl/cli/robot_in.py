@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from irb2400_ctrl.cli.options import output_file
 from irb2400_ctrl.cli.summary import Summary, answers, wrote
 from irb2400_ctrl.wording import counted
 
@@ -70,7 +71,7 @@ def import_(
         outline=outline,
     )
     arm, of_outline = with_kept_apart(found.robot)
-    save_robot(arm, out)
+    save_robot(arm, output_file(out))
     notes = [*found.notes, *of_outline, *arm.assumptions()]
     checks = plausibility(arm)
     said = [*(f"note: {note}" for note in notes), *(f"check: {note}" for note in checks)]
@@ -87,7 +88,7 @@ def new(out: RobotFile) -> Summary:
     from irb2400_ctrl.errors import InputError
     from irb2400_ctrl.files import write_atomic
 
-    if out.exists():
+    if output_file(out).exists():
         raise InputError(
             f"--out {out}: found it already, expected a new name: the template would replace it"
         )

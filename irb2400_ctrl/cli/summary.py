@@ -110,13 +110,13 @@ def answers(verb: Callable[..., Summary]) -> Callable[..., None]:
                 found = verb(*args, **kwargs)
         except KeyboardInterrupt:
             print(f"irb2400: interrupted; {_done(stood, _standing(out))}", file=sys.stderr)
-            if new and out is not None and out.is_dir() and not any(out.iterdir()):
-                out.rmdir()
             raise typer.Exit(INTERRUPTED) from None
         except Exception as error:
-            if left := _left_over(before, _standing(out)):
-                error.add_note(_says(out, left))
+            _note_left(error, out, _left_over(before, _standing(out)))
             raise
+        finally:
+            if new:
+                _without_empty(out)
         if as_json:
             print(found.text())
         kept = {path.name for path in found.kept}
@@ -192,6 +192,18 @@ def _spared(out: Path | None, names: Sequence[str], read: Sequence[Path]) -> Non
 def _left_over(before: Standing, now: Standing) -> list[str]:
     """Names of what the command has not written anew."""
     return sorted(name for name in before if before[name] == now.get(name))
+
+
+def _note_left(error: Exception, out: Path | None, names: list[str]) -> None:
+    """A refused place holds no results: of that there is nothing to say."""
+    if names and not str(error).startswith("--out "):
+        error.add_note(_says(out, names))
+
+
+def _without_empty(out: Path | None) -> None:
+    """The folder that was made goes where nothing has come into it."""
+    if out is not None and out.is_dir() and not any(out.iterdir()):
+        out.rmdir()
 
 
 def _done(before: Standing, now: Standing) -> str:

@@ -23,7 +23,7 @@ from irb2400_ctrl.cli.progress import step
 from irb2400_ctrl.cli.summary import Summary, answers, wrote
 
 LogsArgument = Annotated[
-    list[Path], typer.Argument(metavar="LOG...", help="Measured logs of one arm.")
+    list[Path], typer.Argument(metavar="LOG", help="Measured logs of one arm.")
 ]
 
 

@@ -113,8 +113,8 @@ def of_the_bodies(moved: Sequence[Moved], results: Sequence[LogResult], doubted:
         return ["nothing in these logs contradicts the bodies of the file"]
     furthest = max(moved, key=lambda one: abs(one.shown[1]))
     name, sigmas = furthest.shown
-    how_far = f": {name} of link {furthest.link} went furthest, by {sigmas:+.1f} of"
-    how_far += f" its standard deviations (alarm at {ALARM:.0f})"
+    how_far = f": of what these logs tell clearly {name} of link {furthest.link} went furthest, by"
+    how_far += f" {sigmas:+.1f} of the file's standard deviations (alarm at {ALARM:.0f})"
     return [
         "the bodies of the file are this arm's, within what it leaves open"
         + (how_far if name else ": these logs show no number of them to be another")

@@ -226,7 +226,10 @@ class Model(SymbolicArm):
     def _why_unreachable(self, X_BF: Array, seed: Array | None) -> str:
         q, overreach = self._branch_solver.one(X_BF, seed)
         if not np.isfinite(q).any():
-            return f"the wrist centre is {1e3 * overreach.min():.1f} mm out of reach of the arm"
+            far = float(overreach.min())
+            told = f"the wrist centre is {1e3 * far:.1f} mm out of reach of the arm"
+            millimetres = "; poses are in metres, this one looks like millimetres"
+            return told + millimetres * (far > 100.0)
         low = self.robot.q_min
         high = self.robot.q_max
         excess = np.maximum(np.maximum(low - q, q - high), 0.0)

@@ -42,8 +42,7 @@ def evaluate(
         InputError: a shape that does not fit.
     """
     if any(isinstance(value, ca.SX | ca.MX) for value in inputs):
-        symbolic: Any = function(*inputs, *constants)
-        return cast(Value, symbolic)
+        return cast(Value, _symbolic(function, inputs, constants))
     arrays: list[Any] = [numbers(function.name(), value) for value in inputs]
     many = max(array.ndim for array in arrays) == 2
     count = max((len(array) for array in arrays if array.ndim == 2), default=1)
@@ -61,6 +60,17 @@ def evaluate(
     columns += [np.full((count, 1), value) for value in constants]
     found: Any = _many(function, columns, count)
     return cast(Value, found if matrix else found[:, :, 0])
+
+
+def _symbolic(function: ca.Function, inputs: tuple[Any, ...], constants: tuple[float, ...]) -> Any:
+    try:
+        return function(*inputs, *constants)
+    except RuntimeError as error:
+        found = ", ".join(str(getattr(value, "shape", value)) for value in inputs)
+        wanted = ", ".join(str(function.size_in(k)) for k in range(len(inputs)))
+        raise InputError(
+            f"{function.name()}: found symbols of shapes {found}, expected {wanted}"
+        ) from error
 
 
 def _many(function: ca.Function, inputs: list[Any], count: int) -> Any:

@@ -53,8 +53,9 @@ def load_robot(source: str | Path) -> Robot:
         path = Path(source)
         if not path.is_file():
             known = ", ".join(robot_names())
+            found = "found a folder, " if path.is_dir() else ""
             raise InputError(
-                f"no robot file {path}: expected a TOML file or one of the robots {known}"
+                f"no robot file {path}: {found}expected a TOML file or one of the robots {known}"
             )
         if path.suffix.lower() in OTHER_MODELS:
             raise InputError(

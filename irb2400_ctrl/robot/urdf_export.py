@@ -72,12 +72,19 @@ def _head(robot: Robot) -> str:
         notes.append(f"Effects of the robot file that URDF cannot hold: {kinds}.")
     if not np.isfinite([*robot.tau_bound, *robot.qd_bound]).all():
         notes.append("An effort or velocity of 0 is a limit that the robot file does not state.")
+    lost = friction_left_out(robot)
     notes.append(
         "Stribeck friction (static, transition speed) is not part of URDF; damping and friction "
-        "are."
+        f"are{', but for those of ' + ', '.join(lost) if lost else ''}."
     )
     text = "\n       ".join(notes).replace("--", "-")
     return f"  <!-- {escape(text)} -->"
+
+
+def friction_left_out(robot: Robot) -> list[str]:
+    """Joints whose friction has no place: it goes with the speed of an actuator that is none of the
+    file's joints."""
+    return [joint.name for i, joint in enumerate(robot.joints) if not _alone(robot.A, i)]
 
 
 def _mounting(robot: Robot) -> Array | None:
@@ -129,11 +136,16 @@ def _revolute(robot: Robot, i: int, parent: str, child: str) -> str:
         f'    <limit lower="{_number(lower)}" upper="{_number(upper)}" effort="{_number(effort)}" '
         f'velocity="{_number(velocity)}"/>',
     ]
-    alone = np.eye(robot.n)[i]
-    if (A[i] == alone).all() and (A[:, i] == alone).all():
+    if _alone(A, i):
         _, coulomb, viscous, _ = robot.friction[i]
         lines.append(f'    <dynamics damping="{_number(viscous)}" friction="{_number(coulomb)}"/>')
     return "\n".join([*lines, "  </joint>"])
+
+
+def _alone(A: Array, i: int) -> bool:
+    """Whether joint i of the file turns as its actuator does, and drives no other."""
+    unit = np.eye(len(A))[i]
+    return bool((A[i] == unit).all() and (A[:, i] == unit).all())
 
 
 def _bound(row: Array, limits: Array) -> float:

@@ -58,8 +58,9 @@ def load_trajectory(path: Path | str, axes: int | None = None) -> Trajectory:
     q = _angles(path, header, table, "q", "", axes)
     if time is None or q is None:
         known = ", ".join(name for name in header if _NAME.fullmatch(name)) or "none of a motion"
+        angles = f"q1_deg … q{axes}_deg" if axes > 1 else "q1_deg, q2_deg …"
         raise InputError(
-            f"{path} lacks time_s or q1_deg … q{axes}_deg (or _rad); its columns are {known}"
+            f"{path} lacks time_s or {angles} (or _rad); its columns are {known}"
             + looks_like(header, "motion")
         )
     qd = _angles(path, header, table, "qd", "_s", axes)

@@ -21,6 +21,7 @@ from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.identification import Identification, validate
 from irb2400_ctrl.identification.fitting.consistent_fit import pseudo_inertias
 from irb2400_ctrl.identification.fitting.motion_source import motion_of
+from irb2400_ctrl.report.pages.identification_page import moved_rows
 from irb2400_ctrl.report.pages.validation_page import lines, rows
 
 ROOT = Path(__file__).parents[2]
@@ -44,6 +45,15 @@ def test_the_robot_predicts_exactly_what_was_fitted(
     for result, log in zip(found.logs, logs, strict=True):
         torque = predicted_torque(found.robot, motion_of(log, "angle"))
         np.testing.assert_allclose(torque, result.fitted, rtol=0, atol=1e-9 * 2000)
+
+
+def test_what_moved_most_says_how_open_it_is(found: Identification) -> None:
+    """A mass went by -3.1 where the sentence above the table said 1.4 at most: it is not known."""
+    head, rows = moved_rows(found)
+    assert head[-2:] == ["by [the file's standard deviations]", "± (95 %)"]
+    for row, moved in zip(rows, found.moved, strict=True):
+        place = int(np.argmax(np.abs(moved.sigmas)))
+        assert float(str(row[-1])) == pytest.approx(1.96 * moved.errors[place], abs=0.051)
 
 
 def test_its_bodies_can_exist(found: Identification) -> None:
@@ -161,8 +171,7 @@ def test_the_page(
     """Every command and every line of Python of docs/identification.md."""
     from irb2400_ctrl.cli.main import run
 
-    for path in DATA.glob("*.csv.gz"):
-        shutil.copy(path, tmp_path)
+    shutil.copytree(DATA, tmp_path / "irb2400_ctrl" / "data" / "arm")
     monkeypatch.chdir(tmp_path)
     commands = fenced(PAGE, "sh")[0].splitlines()
     assert len(commands) == 3

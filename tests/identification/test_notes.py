@@ -161,11 +161,11 @@ def test_it_is_said_how_far_confirmed_bodies_went() -> None:
     """Masses off by a quarter, 3.8 of the file's standard deviations, were this arm's."""
     moved = [body(1.0), replace(body(3.8), link=2)]
     (found,) = of_the_bodies(moved, [judged([4.0, 3.0], [4.0, 3.0])], False)
-    assert "mass_kg of link 2 went furthest, by +3.8 of its standard deviations" in found
+    assert "mass_kg of link 2 went furthest, by +3.8 of the file's standard deviations" in found
     # as far where it became less
     moved = [body(1.0), replace(body(-3.8), link=2)]
     (found,) = of_the_bodies(moved, [judged([4.0, 3.0], [4.0, 3.0])], False)
-    assert "mass_kg of link 2 went furthest, by -3.8 of its standard deviations" in found
+    assert "mass_kg of link 2 went furthest, by -3.8 of the file's standard deviations" in found
     (found,) = of_the_bodies([body(0.0)], [judged([4.0, 3.0], [4.0, 3.0])], False)
     assert found.endswith("these logs show no number of them to be another")
 

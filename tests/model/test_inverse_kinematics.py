@@ -141,7 +141,10 @@ class TestRefusals:
     def test_out_of_reach_says_by_how_much(self, model: irb.Model) -> None:
         X = np.eye(4)
         X[:3, 3] = 5.0, 0.0, 0.0
-        with pytest.raises(UnreachableError, match=r"\d+\.\d mm out of reach"):
+        with pytest.raises(UnreachableError, match=r"\d+\.\d mm out of reach of the arm$"):
+            model.inverse_kinematics(X)
+        X[:3, 3] *= 1e3
+        with pytest.raises(UnreachableError, match=r"in metres, this one looks like millimetres"):
             model.inverse_kinematics(X)
 
     def test_outside_the_joint_box_names_the_axis_and_its_range(self, model: irb.Model) -> None:

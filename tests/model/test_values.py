@@ -103,6 +103,14 @@ def test_a_wrong_shape_says_what_was_expected(
         model.mass_matrix(np.zeros(shape))
 
 
+def test_symbols_of_a_wrong_shape_are_refused_in_plain_words(model: irb.Model) -> None:
+    """CasADi's own error is chained."""
+    with pytest.raises(
+        InputError, match=r"gravity: found symbols of shapes \(5, 1\), expected \(6"
+    ):
+        model.gravity(ca.SX.sym("q", 5))
+
+
 def test_rows_that_do_not_match_are_refused(model: irb.Model) -> None:
     with pytest.raises(InputError, match="argument 2"):
         model.inverse_dynamics(np.zeros((4, 6)), np.zeros((3, 6)), np.zeros(6))

@@ -89,6 +89,15 @@ def test_a_place_is_not_called_comfortable_where_it_is_not(
     assert _sentence(found, Proof(margins)) == says.replace("  ", " ")
 
 
+def test_a_place_with_a_worst_margin_says_what_is_worse_between_the_points() -> None:
+    """16 mm at the points was told as the worst; on the path it was 7.8 mm."""
+    found = SimpleNamespace(worth=0.8, worst="clearance_mm")
+    assert _sentence(found, Proof({"clearance_mm": 7.82})) == (
+        "The worst margin, clearance, is 80 % of what is comfortable at the points looked at; "
+        "between them the clearance is down to 7.82 mm (20 is comfortable)."
+    )
+
+
 def test_margins_are_a_table_with_units() -> None:
     start = {"margins": {}, "continuous": None}
     found = {"margins": {"reach_mm": 340.0}, "continuous": {"margins": {"wrist": 0.961}}}

@@ -173,7 +173,8 @@ def test_export_says_what_it_changed_and_left_out(form: str, tmp_path: Path) -> 
     assert "strictly inside" in run.output
     assert "torque difference" in run.output
     assert "static friction" in run.output
-    assert ("left out: the coupling" in run.output) == (form == "urdf")
+    lost = "left out: the coupling, and the friction of axis_2, axis_3"
+    assert (lost in run.output) == (form == "urdf")
     assert ("speed limits" in run.output) == (form == "mjcf")
     written = next(tmp_path.iterdir())
     mujoco = pytest.importorskip("mujoco")

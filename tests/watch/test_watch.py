@@ -210,6 +210,8 @@ def test_command(changing: Log, tmp_path: Path) -> None:
     # a screen of 80 columns, but for the paths
     said = [line for line in done.stderr.splitlines() if not line.startswith("written")]
     assert max(map(len, said)) <= 80
+    # with its unit: it was `viscous Nms`
+    assert "F_v Nms/rad" in done.stderr
     assert "tracked: Coulomb friction 2 +" in done.stderr
     tracked = found["tracked"]["coulomb_Nm"]
     assert tracked["change"][1] > tracked["change_band"][1]

@@ -40,7 +40,7 @@ if TYPE_CHECKING:
 
 PartsArgument = Annotated[
     list[Path],
-    typer.Argument(metavar="PART…", help="Toolpaths of one part, all in its work object's frame."),
+    typer.Argument(metavar="PART", help="Toolpaths of one part, all in its work object's frame."),
 ]
 StartOption = Annotated[
     str | None,

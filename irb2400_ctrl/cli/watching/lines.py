@@ -34,8 +34,8 @@ def status(lately: list[Seen]) -> str:
     rows = {
         "residual": ["-" if v != v else f"{v**0.5:.1f}" for v in energy],
         "external Nm": ["-" if v != v else f"{v:z.1f}" for v in torque],
-        "Coulomb Nm": friction[:n],
-        "viscous Nms": friction[n:],
+        "F_c Nm": friction[:n],
+        "F_v Nms/rad": friction[n:],
     }
     begin = f"{last.time:7.1f}s"
     lines = []

@@ -127,7 +127,7 @@ def programmed_feed(plans: Sequence[Plan]) -> float | None:
 def colourings(
     motion: Trajectory, robot: Robot, limits: Array, feed: float | None = None
 ) -> tuple[Colouring, ...]:
-    """What the tool's way may be coloured by; feed and torque where the motion has them.
+    """What the tool's way may be coloured by; speed and torque where the motion has them.
 
     Args:
         motion: to look at.
@@ -138,7 +138,7 @@ def colourings(
     """
     found = []
     if motion.s is not None:
-        name = "feed" if feed is None else "feed, rapid moves cut off"
+        name = "TCP speed" if feed is None else "feed, rapid moves cut off"
         found.append(Colouring(name, "mm/s", tip_speed(motion), high=feed))
     if motion.tau is not None and np.isfinite(limits).any():
         found.append(Colouring("torque share", "%", _largest_share(motion.tau, limits)))

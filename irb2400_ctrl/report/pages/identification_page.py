@@ -214,12 +214,13 @@ def error_rows(log: LogResult) -> tuple[list[str], list[list[object]]]:
 def moved_rows(result: Identification) -> tuple[list[str], list[list[object]]]:
     """Head and rows: a link a row."""
     head = ["link", "mass before [kg]", "mass after [kg]", "moved most"]
-    head.append("by [standard deviations]")
+    head += ["by [the file's standard deviations]", "± (95 %)"]
     rows: list[list[object]] = []
     for moved in result.moved:
         name, sigmas = moved.most
         masses = (float(moved.before[0]), float(moved.after[0]))
-        rows.append([str(moved.link), *masses, name, f"{sigmas:+.1f}"])
+        open_now = TWICE * moved.errors[BODY.index(name)]
+        rows.append([str(moved.link), *masses, name, f"{sigmas:+.1f}", f"{open_now:.1f}"])
     return head, rows
 
 

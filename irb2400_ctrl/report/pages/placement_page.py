@@ -93,16 +93,13 @@ def _tight(proof: Proof) -> list[str]:
 
 def _sentence(found: Outlook, proof: Proof) -> str:
     """How good the found place is."""
-    if found.worth >= 1.0:
-        tight = _tight(proof)
-        if tight:
-            return (
-                "Every margin is comfortable at the points looked at; between them "
-                f"{', '.join(tight)}."
-            )
-        return "Every margin is comfortable."
-    part = f"{100 * found.worth:.0f} % of what is comfortable"
-    return f"The worst margin, {_name(found.worst)}, is {part}."
+    told = "Every margin is comfortable"
+    if found.worth < 1.0:
+        part = f"{100 * found.worth:.0f} % of what is comfortable"
+        told = f"The worst margin, {_name(found.worst)}, is {part}"
+    tight = _tight(proof)
+    between = f" at the points looked at; between them {', '.join(tight)}" if tight else ""
+    return f"{told}{between}."
 
 
 def _facts(start: Outlook, found: Outlook) -> list[tuple[str, str]]:

@@ -130,8 +130,8 @@ def deviation_words(summary: Mapping[str, Any], tolerance: float) -> str | None:
     why = "; straight between rows the TCP cuts curves" if linear else ""
     return (
         f"the TCP leaves the path by up to {most:.3f} mm, {1e3 * tolerance:g} mm were asked for"
-        f"{why}; a smaller --tolerance-mm makes corners of more bends, more rows (--rate) or a "
-        "lower feed bring the rest nearer"
+        f"{why}; nearer with a smaller --tolerance-mm (more of its bends then count as corners), "
+        "more rows (--rate) or a lower feed"
     )
 
 
