@@ -124,7 +124,8 @@ def run() -> None:
         _stop(1, str(error), error)
     except ReaderGone:
         # not an error of ours; what is left to flush at the end goes nowhere
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        with Path(os.devnull).open("wb") as nowhere:
+            os.dup2(nowhere.fileno(), sys.stdout.fileno())
         sys.exit(0)
     except MemoryError as error:
         _stop(1, "the memory of this machine was not enough; nothing half-written is left", error)
