@@ -37,6 +37,7 @@ SEARCH = {
     "through nothing",
     "turns_over_in": "a diagnosis names it only where it is wider than what contacts hold over, "
     "measured at the turns of all joints",
+    "at_usual_load": "its coefficient is told for the load that the joint usually carries",
     "beside": "a diagnosis names it only beside the kind without which no arm has it",
     "rattles": "at the wrist also told by what the neighbours feel as the load changes sides",
 }

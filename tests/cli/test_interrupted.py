@@ -50,7 +50,7 @@ def test_what_was_written_before_an_interruption_is_named(
 
 
 def test_a_single_file_is_named_as_well(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("irb2400_ctrl.cli.robot_in.Summary", stopped)
+    monkeypatch.setattr("irb2400_ctrl.cli.robot_in.wrote", stopped)
     done = irb2400("robot", "new", "--out", "arm.toml", cwd=tmp_path)
     assert done.returncode == 130
     assert done.stderr == "irb2400: interrupted; written until then: arm.toml\n"
