@@ -15,7 +15,6 @@ from irb2400_ctrl.model import Model
 from irb2400_ctrl.planners.joint_box import can_hold, inside_box, outside_box
 from irb2400_ctrl.planners.ruckig_move import RuckigMove, ruckig_move
 from irb2400_ctrl.planners.timing.motion_limits import MotionLimits
-from irb2400_ctrl.robot import Robot
 from irb2400_ctrl.trajectory import Trajectory
 from irb2400_ctrl.trajectory.trajectory import RATE
 from irb2400_ctrl.typed import typed
@@ -105,9 +104,9 @@ def joint_move(
         rate: of the rows; the duration is a whole number of them [1/s].
 
     Raises:
-        InputError: a vector of another length, not finite, or outside the joint box or speed
-        limits. InfeasibleError: the torque limits or the joint box leave no move; names axis and
-        place.
+        InputError: a vector of another length, not finite, or outside the joint box or the limits
+        of speed and acceleration. InfeasibleError: the torque limits or the joint box leave no
+        move; names axis and place.
     """
     robot = model.robot
     start = _vector("q_start", q_start, robot.n)
@@ -120,11 +119,12 @@ def joint_move(
     for name, q in (("q_start", start), ("q_target", target)):
         inside_box(model, name, q)
         can_hold(model, name, q)
-    _within_speed(robot, speed)
+    _within("qd_start", "deg/s", speed, robot.qd_max)
     if qdd_max is None:
         stated = MotionLimits.of(robot).qdd_max
     else:
         stated = _vector("qdd_max", qdd_max, robot.n, positive=True)
+    _within("qdd_start", "deg/s2", acceleration, stated)
     known = np.isfinite(stated)
     box = stated if known.all() else _accelerations(model, start, target, stated)
     if qddd_max is None:
@@ -154,13 +154,17 @@ def _vector(name: str, value: ArrayLike, n: int, positive: bool = False) -> Arra
     return array
 
 
-def _within_speed(robot: Robot, speed: Array) -> None:
-    """Refuse a start that is faster than the speed limits."""
-    if (np.abs(speed) > robot.qd_max * (1 + 1e-9)).any():
-        axis = int(np.argmax(np.abs(speed) / robot.qd_max))
+def _within(name: str, unit: str, found: Array, most: Array) -> None:
+    """Refuse a start beyond the limits of speed or acceleration.
+
+    Args:
+        name: of the start's part; unit: with degrees; found, most: with radians, each (n,).
+    """
+    if (np.abs(found) > most * (1 + 1e-9)).any():
+        axis = int(np.argmax(np.abs(found) / most))
         raise InputError(
-            f"qd_start: axis {axis + 1} moves at {np.degrees(speed[axis]):.1f} deg/s, "
-            f"expected at most {np.degrees(robot.qd_max[axis]):.1f}"
+            f"{name}: axis {axis + 1} has {np.degrees(found[axis]):.1f} {unit}, "
+            f"expected at most {np.degrees(most[axis]):.1f}"
         )
 
 

@@ -200,7 +200,12 @@ def test_rows_cannot_be_written(model: irb.Model) -> None:
         ({"q_target": np.radians([0, 0, 70.0, 0, 0, 0])}, "axis 3 at 70.00 deg, range -60 to 65"),
         (
             {"qd_start": np.radians([0, 160.0, 0, 0, 0, 0])},
-            "axis 2 moves at 160.0 deg/s, expected at most 150.0",
+            "axis 2 has 160.0 deg/s, expected at most 150.0",
+        ),
+        # it was taken, and a motion stated to keep the limit began at twice that
+        (
+            {"qdd_start": np.array([0, 2.0, 0, 0, 0, 0]), "qdd_max": np.ones(6)},
+            "qdd_start: axis 2 has 114.6 deg/s2, expected at most 57.3",
         ),
         ({"rate": 0.0}, "rate: found 0.0"),
     ],
