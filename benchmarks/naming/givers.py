@@ -15,6 +15,9 @@ from irb2400_ctrl.measurement import Log
 from irb2400_ctrl.robot import Robot
 
 Said = dict[str, Any]
+TOLD = ("kind", "joint", "confidence", "alternatives", "parameters", "standard_errors")
+TOLD += ("log_evidence", "margin")
+"""of each effect"""
 TRIM = 0.9
 """share of the differences that counts for the floor: reversals and lost samples are the rest"""
 TRIMMED_RMS = 0.789
@@ -41,10 +44,7 @@ def diagnosis(robot: Robot, log: Log) -> Said:
     left = np.where(compared.known, compared.measured - compared.after, np.nan)
     return {
         "verdict": said["verdict"],
-        "names": [
-            {k: e[k] for k in ("kind", "joint", "confidence", "alternatives", "parameters")}
-            for e in said["effects"]
-        ],
+        "names": [{k: e[k] for k in TOLD} for e in said["effects"]],
         "unexplained": said["unexplained"],
         "recalibrated": sorted(said["recalibrated"]),
         "said": {k: v for k, v in said.items() if k not in ("effects", "error")},
