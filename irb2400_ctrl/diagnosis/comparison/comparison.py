@@ -135,7 +135,9 @@ class StepComparison:
         candidate = alternative.candidate
         if not any(e.states for e in candidate.effects):
             return alternative
+        # what is tried is held against the candidate under the same noise
         problem = self._under(self.y - self.explained(candidate))
+        candidate = self._rescored(candidate, problem)
         return replace(alternative, candidate=self.scan.polished(problem, candidate))
 
     def added(self, candidate: Candidate) -> Array:
