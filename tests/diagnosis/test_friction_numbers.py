@@ -21,10 +21,11 @@ PRIOR = replace(BasePrior.of(ROBOT, Uncertainty(), motion()), common_friction=0.
 
 
 def told(change: Array, effects: Sequence[Effect] = ()) -> tuple[list[tuple[str, str]], str]:
-    """Places and names of what is told of dry and viscous friction changed so, of the file's, and
-    the sentence of its level."""
+    """Places and names of what is told of dry (static as well) and viscous friction changed so, of
+    the file's, and the sentence of its level."""
     deviations = np.zeros(len(PRIOR.sigmas()))
     deviations[-3 * N : -N] = np.ravel(change) / Uncertainty().friction_relative
+    deviations[-N:] = change[0] / Uncertainty().static_relative
     z = np.linalg.solve(PRIOR.root, deviations)
     fit: Any = SimpleNamespace(z=z, z_covariance=1e-6 * np.eye(len(z)), effects=effects)
     after = PRIOR.updated(deviations)
