@@ -37,6 +37,7 @@ from irb2400_ctrl.diagnosis.preparation.noise_test import noise_test
 from irb2400_ctrl.diagnosis.preparation.plain_numbers import PlainNumbers
 from irb2400_ctrl.diagnosis.preparation.resting import Resting
 from irb2400_ctrl.diagnosis.preparation.sticking_contacts import sticking_contacts
+from irb2400_ctrl.diagnosis.quick_rests import quick_rests
 from irb2400_ctrl.diagnosis.recalibrated import recalibrated_terms
 from irb2400_ctrl.diagnosis.regressors.bases import Bases
 from irb2400_ctrl.diagnosis.regressors.predict import predicted_torque
@@ -157,20 +158,20 @@ def _searched(
     told = found.identification
     each = log_errors(motion, told.before, told.after, logs, (found.given, found.robot))
     noise = noise_test(robot, logs.used, motion, told.after, _unsure(fit, motion))
-    numbers = (*found.numbers, *moved_as_by_a_load(scan, fitter, fit, change))
-    weak = (*logs.remarkable, *found.weak, *resting.remarks, *selection.remarks)
-    if bent:
-        weak = (*weak, BENT)
+    found = replace(found, noise=noise)
+    quick = quick_rests(motion, told.measured - told.after, found.least_floor)
+    weak = (*logs.remarkable, *found.weak, *resting.remarks, *selection.remarks, *quick.sentences)
     found = replace(
         found,
-        numbers=numbers,
+        numbers=(*found.numbers, *moved_as_by_a_load(scan, fitter, fit, change)),
         logs=each,
         left_out=logs.left_out,
-        noise=noise,
+        quick=quick,
         nameless=selection.nameless,
     )
     found = suspected(found, bent, selection.unsettled)
-    return replace(found, weak=(*weak, *seldom_met(found, selection.seldom)))
+    weak = (*weak, *([BENT] if bent else []), *seldom_met(found, selection.seldom))
+    return replace(found, weak=weak)
 
 
 def _has_room(motion: PreparedLog) -> None:

@@ -3,7 +3,7 @@ draws."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal
@@ -17,6 +17,7 @@ from irb2400_ctrl.diagnosis.log_errors import LogErrors
 from irb2400_ctrl.diagnosis.numbers import Number
 from irb2400_ctrl.diagnosis.preparation.metrics import Errors
 from irb2400_ctrl.diagnosis.preparation.noise_test import NoiseTest, trimmed_rms
+from irb2400_ctrl.diagnosis.quick_rests import QuickRests
 from irb2400_ctrl.diagnosis.sound_logs import LeftOut
 from irb2400_ctrl.files import plain, write_json
 from irb2400_ctrl.notebook import Displayed
@@ -85,6 +86,7 @@ class Diagnosis(Displayed):
         usual_error: RMSE of its model on stretches it had not seen [Nm], (n,).
         noise: what is left, held against what neighbouring samples disagree about; None where no
             effect was tried.
+        quick: of it what is quicker than laws are compared on.
         nameless: joint (from 1) with so much that no name says that lesser names were taken back.
     """
 
@@ -105,6 +107,7 @@ class Diagnosis(Displayed):
     before: Diagnosis | None = None
     usual_error: Array | None = None
     noise: NoiseTest | None = None
+    quick: QuickRests = field(default_factory=QuickRests)
     nameless: int | None = None
 
     @property
@@ -144,8 +147,8 @@ class Diagnosis(Displayed):
         coloured = [
             j for j in self.noise.by_means_alone if left[j - 1] < SLOW * self.noise_floor[j - 1]
         ]
-        beyond = [j for j in self.noise.beyond if j not in (*self.not_excited, *coloured)]
-        return tuple(j for j in beyond if self._news[j - 1])
+        beyond = [j for j in self.noise.beyond if j not in coloured]
+        return self._that_count([*beyond, *self.quick.joints])
 
     @property
     def left_over(self) -> tuple[int, ...]:
@@ -153,8 +156,13 @@ class Diagnosis(Displayed):
         compared = self.identification
         size = rms(compared.measured)
         much = self.mostly_left > np.maximum(NEAR_FLOOR * self.least_floor, LITTLE * size)
-        much &= self._news
-        return tuple(int(j) + 1 for j in np.flatnonzero(much) if j + 1 not in self.not_excited)
+        slow = [int(j) + 1 for j in np.flatnonzero(much)]
+        return self._that_count([*slow, *self.quick.joints])
+
+    def _that_count(self, joints: Sequence[int]) -> tuple[int, ...]:
+        """Those (from 1) that move, and on which more is left than usual."""
+        moving = set(joints) - set(self.not_excited)
+        return tuple(j for j in sorted(moving) if self._news[j - 1])
 
     @property
     def mostly_left(self) -> Array:

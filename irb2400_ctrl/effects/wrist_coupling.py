@@ -17,6 +17,10 @@ from irb2400_ctrl.effects.prior import Prior
 from irb2400_ctrl.effects.search import Search
 from irb2400_ctrl.effects.signals import Signals
 
+GIVEN_BACK = 0.5
+"""of the larger of two viscous couplings of opposite signs that the smaller one is at least, where
+what the axes do to each other is mostly given back"""
+
 
 class AxisCoupling(Effect):
     """Joint j and joint k, `along` axes further.
@@ -28,6 +32,7 @@ class AxisCoupling(Effect):
 
     example: ClassVar[Mapping[str, Any]] = {"inertia_kgm2": 0.05, "viscous_Nms_rad": 0.5}
     ambiguity: ClassVar[Ambiguity] = COUPLING
+    search: ClassVar[Search] = Search(lasting=True)
     # the motor's friction is no straight line over the sum of two speeds
     prior: ClassVar[Prior] = Prior(discrepancy_share=0.35)
     drawing: ClassVar[Drawing] = Drawing("qd")
@@ -115,6 +120,21 @@ class AxisCoupling(Effect):
             neighbour_dry_Nm=neighbour_dry,
         )
 
+    @property
+    def mistaken_for(self) -> str:
+        """Friction takes work out of the axes; what one gets of the other and gives back does not:
+        (D + D') qd_j qd_k is nothing."""
+        _, here, there, _, _ = self.coefficients()
+        if here * there >= 0.0 or min(abs(here), abs(there)) < GIVEN_BACK * max(
+            abs(here), abs(there)
+        ):
+            return ""
+        return (
+            f"joint {self.joint}: what this axis and joint {self.other + 1} do to each other takes "
+            "hardly any work out of them, as a gyroscopic moment (of a spindle that turns); the "
+            "friction of gears does"
+        )
+
     @classmethod
     def joints(cls, n: int) -> Sequence[int]:
         return range(4, n + 1 - cls.along())
@@ -140,7 +160,7 @@ class FarWristCoupling(AxisCoupling):
     """
 
     sentence: ClassVar[str] = "moving this wrist axis drags the motor of the next but one along"
-    search: ClassVar[Search] = Search(beside="wrist_coupling")
+    search: ClassVar[Search] = Search(beside="wrist_coupling", lasting=True)
 
     kind: Literal["far_wrist_coupling"] = "far_wrist_coupling"
 

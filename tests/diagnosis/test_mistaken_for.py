@@ -44,6 +44,27 @@ def test_many_short_pushes_of_unlike_lengths_may_be_a_load_that_swings(windows: 
     assert (confidence(step) > LOOKALIKE_CAP) == (not PUSHES[windows])
 
 
+@pytest.mark.parametrize(
+    ("here", "there", "gyroscopic"),
+    [
+        (0.49, -0.42, True),
+        (0.27, -0.58, False),
+        (-0.34, 0.58, True),
+        (0.5, 0.4, False),
+        (0.0, 0.8, False),
+        (-0.13, 0.01, False),
+        (0.0, 0.0, False),
+    ],
+)
+def test_a_coupling_that_takes_no_work_may_be_a_spindle_that_turns(
+    here: float, there: float, gyroscopic: bool
+) -> None:
+    """The moment of one was a coupling of axes 4 and 5, at 0.94."""
+    numbers = {"viscous_Nms_rad": here, "neighbour_viscous_Nms_rad": there}
+    coupling = LIBRARY["wrist_coupling"].of(4, **numbers)
+    assert coupling.mistaken_for.startswith("joint 4: what this axis and joint 5 do") == gyroscopic
+
+
 def test_such_a_force_says_what_else_it_may_be() -> None:
     log = Case(77, duration=25.0, validation_duration=3.0).simulate()[0]
     force = LIBRARY["process_force"].of(None, force_x_N=24.0, force_z_N=32.0)

@@ -277,7 +277,7 @@ def _why(diagnosis: Diagnosis) -> list[str]:
         f"Joint {j}: {noise.left[j - 1]:.2f} Nm rms are left where neighbouring samples disagree "
         f"by {noise.floor[j - 1]:.2f}: more than noise."
         for j in diagnosis.beyond_noise
-        if noise is not None and j not in (*told, *unexplained) and not known
+        if noise is not None and j in noise.beyond and j not in (*told, *unexplained) and not known
     ]
     bodies = off_bodies(diagnosis.numbers)
     found += [bodies] if bodies else []
@@ -285,6 +285,7 @@ def _why(diagnosis: Diagnosis) -> list[str]:
         f"Joint {j}: {diagnosis.mostly_left[j - 1]:.2f} Nm rms are left, noise is "
         f"{diagnosis.least_floor[j - 1]:.2f}"
         for j in told
+        if j not in diagnosis.quick.joints
     ]
     return found + worse_elsewhere(diagnosis)
 

@@ -1,0 +1,100 @@
+"""What is left that is quicker than laws are compared on."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+
+from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.diagnosis.quick_rests import QuickRests, quick_rests
+
+STEP = 0.004
+TIME = STEP * np.arange(7500)
+FLOOR = np.array([2.0, 1.0, 0.1])
+
+
+def told(
+    more: Array, known: Array | None = None, qd: Array | None = None, parts: int = 1
+) -> QuickRests:
+    """Of noise and something more (m, 3), over the noise."""
+    noise = np.random.default_rng(3).normal(size=(len(TIME), 3))
+    edges = np.linspace(0, len(TIME), parts + 1).astype(int)
+    motion: Any = SimpleNamespace(
+        n=3,
+        step=STEP,
+        time=TIME,
+        tau=np.full((len(TIME), 3), 20.0) * FLOOR,
+        qd=np.ones((len(TIME), 3)) if qd is None else qd,
+        known=np.ones((len(TIME), 3), dtype=bool) if known is None else known,
+        parts=[slice(*both) for both in pairwise(edges)],
+    )
+    return quick_rests(motion, FLOOR * (noise + more), FLOOR)
+
+
+def test_noise_is_no_quick_rest() -> None:
+    found = told(np.zeros((len(TIME), 3)))
+    assert found == QuickRests()
+    assert found.joints == ()
+    assert found.sentences == ()
+
+
+def test_a_vibration_above_the_laws_is_told_with_its_frequency_and_its_size() -> None:
+    more = np.zeros((len(TIME), 3))
+    more[:, 0] = 0.7 * np.sin(2 * np.pi * 17.3 * TIME + 2.0 * np.sin(0.9 * TIME))
+    more[:, 2] = 1.4 * np.sin(2 * np.pi * 17.3 * TIME)
+    found = told(more)
+    assert found.joints == (1, 3)
+    for one, size in zip(found.vibrations, (0.7 * 2.0, 1.4 * 0.1), strict=True):
+        np.testing.assert_allclose(one.frequency, 17.3, atol=0.4)
+        np.testing.assert_allclose(one.rms, size / np.sqrt(2.0), rtol=0.1)
+    (said,) = found.sentences
+    assert said.startswith("a vibration of 17.")
+    assert "Hz is left on joints 1 and 3, 1 Nm rms on joint 1" in said
+
+
+def test_a_vibration_of_one_of_two_logs_is_told() -> None:
+    more = np.zeros((len(TIME), 3))
+    second = len(TIME) // 2
+    more[second:, 1] = np.sin(2 * np.pi * 30.0 * TIME[second:])
+    (one,) = told(more, parts=2).vibrations
+    np.testing.assert_allclose([one.frequency, one.rms], [30.0, np.sqrt(0.5)], rtol=0.1)
+
+
+def test_what_is_weak_or_sweeps_through_frequencies_is_no_vibration() -> None:
+    weak = np.zeros((len(TIME), 3))
+    weak[:, 0] = 0.3 * np.sin(2 * np.pi * 17.3 * TIME)
+    assert told(weak).joints == ()
+    # a ripple of a joint that turns at every speed
+    sweeps = np.zeros((len(TIME), 3))
+    sweeps[:, 0] = 2.0 * np.sin(60.0 * np.sin(0.9 * TIME))
+    assert told(sweeps).joints == ()
+
+
+def test_moments_at_which_several_joints_are_far_off_are_told() -> None:
+    more = np.zeros((len(TIME), 3))
+    for start in (500, 2100, 6000):
+        more[start : start + 20, :2] = 40.0
+    found = told(more)
+    assert found.joints == (1, 2)
+    assert found.moments is not None
+    np.testing.assert_allclose(found.moments.starts, [2.0, 8.4, 24.0], atol=0.01)
+    (said,) = found.sentences
+    assert said.startswith("at 3 moments (2.0, 8.4, 24.0 s), 1.8 % of the log, several joints are ")
+    # one joint alone may stick at a turn
+    alone = more.copy()
+    alone[:, 1] = 0.0
+    assert told(alone).joints == ()
+    # and what is not known says nothing
+    assert told(more, known=more == 0.0).joints == ()
+    assert told(0.1 * more).joints == ()
+    # nor does a joint that turns and shakes the others
+    turning = np.ones((len(TIME), 3))
+    turning[:, 2] = np.sign(np.cos(2 * np.pi * TIME / 0.8))
+    assert told(more, qd=turning).moments is not None
+    turning[:, 2] = np.sign(np.sin(2 * np.pi * TIME / 0.8))
+    assert told(more, qd=turning).moments is None
+    # and where the rest is no noise either, moments are not what is wrong
+    assert told(more + 4.0).joints == ()
