@@ -32,9 +32,8 @@ ACTS = 1e-3
 """share of its most on one joint from which an effect acts on another"""
 ROUGHLY = 0.7
 """standard deviation of the numbers of springs and play about the true ones, over the share of its
-torque that their law may leave, which the noise does not show: of eight on drawn arms (seeds
-20263481 and 20263501 of the third plant) they were off by -59 to +49 %, the noise's part 0.2 to 7 %
-"""
+torque that their law may leave, which the noise does not show (`benchmarks/size_errors.py` counts
+how often the errors hold the true numbers)"""
 FRICTIONS = ("friction", "viscosity")
 """first words of laws without a name that turn over with the direction"""
 ALIKE = 0.8

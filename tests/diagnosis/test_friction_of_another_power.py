@@ -3,12 +3,19 @@ what it is under the load that the joint usually carries."""
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 from third_plant.case import Case
 from third_plant.suites import plan
 
 import irb2400_ctrl as irb
+from irb2400_ctrl.diagnosis.comparison.log_columns import LogColumns
+from irb2400_ctrl.diagnosis.preparation.contacts import Contacts
+from irb2400_ctrl.diagnosis.regressors.bases import Bases
+from irb2400_ctrl.effects import LIBRARY
+from irb2400_ctrl.measurement.prepared_log import prepare
 
 
 def test_its_coefficient_is_that_of_the_usual_load() -> None:
@@ -30,3 +37,23 @@ def test_its_coefficient_is_that_of_the_usual_load() -> None:
     soft = np.hypot(load, law["soft_torque_Nm"]) - law["soft_torque_Nm"]
     friction = law["coefficient"] * r * (soft / r) ** law["exponent"]
     assert effect.coefficient == pytest.approx(friction / load, rel=0.05)
+
+
+@pytest.mark.parametrize(
+    ("stated", "reference"), [((), 20.0), (({"reference_Nm": 70.0},), 70.0), (({},), 50.0)]
+)
+def test_what_a_file_states_is_looked_for_at_its_own_load(
+    stated: tuple[dict[str, float], ...], reference: float
+) -> None:
+    """Of two loads the change of what is stated, and something new, would be told as each other."""
+    robot = irb.load_robot("irb2400")
+    time = np.arange(0.0, 4.0, 0.01)
+    q = 0.3 * np.sin(np.linspace(1.0, 2.0, 6) * time[:, None])
+    motion = prepare(irb.Log(time, q, q))
+    load = np.full(motion.q.shape, 20.0)
+    effects = [LIBRARY["load_friction"].of(4, coefficient=0.05, **one) for one in stated]
+    columns: Any = LogColumns(Bases(robot), motion, load, Contacts(), effects)
+    columns.families = [("load_friction", 4)]
+    grid, _ = columns.laws["load_friction", 4]
+    assert len(grid) == 2
+    assert {point["reference_Nm"] for point in grid} == {reference}

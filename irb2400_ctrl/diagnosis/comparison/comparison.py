@@ -116,10 +116,11 @@ class StepComparison:
 
     def compared(self, candidate: Candidate) -> Alternative:
         """The candidate under its own noise."""
-        problem, judged = settled(
-            (self.start, candidate), self._judged_anew, lambda one: _evidence(*one)
-        )
+        problem, judged = self._under_own_noise(candidate)
         return Alternative(judged, _evidence(problem, judged), self._by_law(judged, problem))
+
+    def _under_own_noise(self, candidate: Candidate) -> tuple[Problem, Candidate]:
+        return settled((self.start, candidate), self._judged_anew, lambda one: _evidence(*one))
 
     def _judged_anew(self, last: tuple[Problem, Candidate]) -> tuple[Problem, Candidate]:
         problem, candidate = last
@@ -135,10 +136,8 @@ class StepComparison:
         candidate = alternative.candidate
         if not any(e.states for e in candidate.effects):
             return alternative
-        # what is tried is held against the candidate under the same noise
-        problem = self._under(self.y - self.explained(candidate))
-        candidate = self._rescored(candidate, problem)
-        return replace(alternative, candidate=self.scan.polished(problem, candidate))
+        # what is tried is held against the candidate under one noise
+        return replace(alternative, candidate=self.scan.polished(*self._under_own_noise(candidate)))
 
     def added(self, candidate: Candidate) -> Array:
         """Rms that a candidate takes off what is left, beside a base that moves with it, shape (n,)

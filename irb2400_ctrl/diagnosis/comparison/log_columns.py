@@ -7,7 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
-from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.arrays import Array, rms
 from irb2400_ctrl.diagnosis.comparison.non_parametric import (
     NonParametricLaw,
     non_parametric_laws,
@@ -105,7 +105,7 @@ class LogColumns:
 
     def _usual_load(self, joint: int) -> float:
         """Rms of what a joint's gear carries [Nm], or one where that is nothing."""
-        return float(np.sqrt(np.mean(self.load[:, joint - 1] ** 2))) or 1.0
+        return float(rms(self.load)[joint - 1]) or 1.0
 
     def stated_points(self, kind: str, joint: int | None) -> list[dict[str, float]]:
         """Where in a family the effects of the robot's file are."""

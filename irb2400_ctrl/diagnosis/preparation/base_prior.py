@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from irb2400_ctrl.arrays import Array, rms
+from irb2400_ctrl.arrays import Array, Integers, rms
 from irb2400_ctrl.measurement.prepared_log import PreparedLog
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.model.base_parameters import with_masses
@@ -124,21 +124,27 @@ class BasePrior:
     def root(self) -> Array:
         """F with F z the numbers in data-sheet standard deviations, shape (k, k): F F^T is their
         prior covariance."""
-        sigmas = self.sigmas()
-        F = np.eye(len(sigmas))
-        if not self.common_friction:
-            return F
-        n = self.robot.n
-        known = np.where(self.robot.friction_known, self.robot.friction, 0.0)
-        values = np.concatenate([known[:, 1], known[:, 2], known[:, 0]])
-        together = self.common_friction * values / sigmas[-3 * n :]
-        # dry and static friction change together, viscous friction by a factor of its own
-        for kinds in ((0, 2), (1,)):
-            block = np.concatenate([np.arange(n) + n * kind for kind in kinds])
-            covariance = np.eye(len(block)) + np.outer(together[block], together[block])
-            place = len(sigmas) - 3 * n + block
+        F = np.eye(len(self._sigmas))
+        for place, t in self._levels:
+            covariance = np.eye(len(place)) + np.outer(t, t)
             F[np.ix_(place, place)] = np.linalg.cholesky(covariance)
         return F
+
+    @cached_property
+    def _levels(self) -> list[tuple[Integers, Array]]:
+        """Places of the numbers that change with the friction of all joints, and by how many of
+        their standard deviations: dry and static friction, viscous friction by a factor of its
+        own."""
+        sigmas = self._sigmas
+        n = self.robot.n
+        known = np.where(self.robot.friction_known, self.robot.friction, 0.0)
+        found = []
+        # as the base has them: Coulomb, viscous, static
+        for kinds in ({0: 1, 2: 0}, {1: 2}):
+            place = np.concatenate([len(sigmas) + np.arange(n) + n * (k - 3) for k in kinds])
+            values = np.concatenate([known[:, column] for column in kinds.values()])
+            found.append((place, self.common_friction * values / sigmas[place]))
+        return found
 
     def deviations(self, z: Array) -> Array:
         """Fitted z in data-sheet standard deviations from the file's values, shape (k,)."""
@@ -149,13 +155,8 @@ class BasePrior:
 
         Of d = own + c t with own and c standard normal, c is expected to be t d / (1 + t t).
         """
-        sigmas = self.sigmas()
-        known = np.where(self.robot.friction_known, self.robot.friction, 0.0)
-        n = self.robot.n
-        found = np.zeros(len(sigmas))
-        for kind in (1, 2):
-            place = len(sigmas) + np.arange(n) + n * (kind - 4)
-            t = self.common_friction * known[:, kind] / sigmas[place]
+        found = np.zeros(len(deviations))
+        for place, t in self._levels:
             found[place] = t * (t @ deviations[place]) / (1.0 + t @ t)
         return found
 
