@@ -32,7 +32,10 @@ ANGLE = (
     r"pos|ang|(?<!e)q|theta|θ|rax|winkel|^([aj]|jt|mp)\W*$|state\W*$|角|각도|위치"
     rf"|{DEGREE_OR_RAD}|{TURNS}|{PULSES}"
 )
-OF_A_JOINT = r"joint|jnt|axis|achse|(?<![a-z])(axe|asse|eje)(?![a-z])|軸|轴|关节|関節|관절|(?<![a-z])j(?=\W*$)"
+OF_A_JOINT = (
+    r"joint|jnt|axis|achse|(?<![a-z])(axe|asse|eje)(?![a-z])|軸|轴|关节|関節|관절"
+    r"|(?<![a-z])j(?=\W*$)"
+)
 """a joint's signal whose own word is not known may be its angle"""
 QUANTITIES = {
     "tau": rf"{TORQUE}|{CURRENT}|(?<!co)eff|load|force|(?<![a-z])m_?(?=act|targ)|^m?t\W*$"
