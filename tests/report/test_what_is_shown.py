@@ -20,6 +20,7 @@ from irb2400_ctrl.report.pages.diagnosis_tables import (
     error_table,
     recalibration_rows,
     worse_elsewhere,
+    worse_here,
 )
 from irb2400_ctrl.report.pages.three_lists import Entry, body_lines
 from irb2400_ctrl.wording import joined, numbered
@@ -98,6 +99,15 @@ def test_a_motion_that_is_predicted_worse_is_named() -> None:
     assert worse_elsewhere(found) == []
     found.validation = None
     assert worse_elsewhere(found) == []
+
+
+def test_numbers_that_make_their_own_log_worse_are_named() -> None:
+    """The rows recalibrated and after stood at 0.369 Nm, before at 0.302, without a word."""
+    found: Any = SimpleNamespace(identification=compared((3.0, 0.302), (1.25, 0.369)))
+    (line,) = worse_here(found)
+    assert line.startswith("Joint 2: on other.csv the error grows from 0.302 to 0.369 Nm rms")
+    found.identification = compared((1.0, 1.3), (1.05, 1.35))
+    assert worse_here(found) == []
 
 
 def test_where_nothing_was_tried_nothing_stands_after() -> None:

@@ -26,6 +26,7 @@ from irb2400_ctrl.report.pages.diagnosis_tables import (
     parameter_rows,
     recalibration_rows,
     worse_elsewhere,
+    worse_here,
 )
 from irb2400_ctrl.report.pages.three_lists import (
     LISTS,
@@ -286,7 +287,7 @@ def _why(diagnosis: Diagnosis) -> list[str]:
         f"{diagnosis.least_floor[j - 1]:.2f}"
         for j in told
     ]
-    return found + worse_elsewhere(diagnosis)
+    return found + worse_here(diagnosis) + worse_elsewhere(diagnosis)
 
 
 def finding_title(finding: Finding) -> str:
