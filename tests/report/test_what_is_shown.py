@@ -23,6 +23,7 @@ from irb2400_ctrl.report.pages.diagnosis_tables import (
     worse_here,
 )
 from irb2400_ctrl.report.pages.three_lists import Entry, body_lines
+from irb2400_ctrl.report.pages.validation_page import lines
 from irb2400_ctrl.wording import joined, numbered
 
 TIME = np.linspace(0.0, 1.0, 50)
@@ -158,3 +159,18 @@ def test_large_numbers_fit_beside_a_small_plot(most: float, told: str) -> None:
 def test_the_legend_of_an_image_has_its_colours() -> None:
     """A page changed the grey of the legend, and in the dark its black, but not the image's."""
     assert not {to_hex(colour) for colour in COLOURS[1:]} & CHANGED.keys()
+
+
+def test_a_validation_shows_three_digits() -> None:
+    """A mean torque stood there as 256.813 Nm."""
+    error = SimpleNamespace(
+        mae=np.array([0.99213]),
+        rmse=np.array([2.0581]),
+        rmse_over_mean_percent=np.array([100 * 2.0581 / 256.813]),
+    )
+    quiet = np.zeros((1, 1))
+    log: Any = SimpleNamespace(
+        log="a.csv", error=error, remarks=(), known=quiet > 0, measured=quiet, modelled=quiet
+    )
+    told = lines(SimpleNamespace(logs=[log], error=error))  # type: ignore[arg-type]
+    assert told[1].split() == ["1", "0.992", "2.06", "257", "0.801"]
