@@ -327,28 +327,6 @@ def test_a_variable_makes_no_control_of_siemens(tmp_path: Path) -> None:
     assert "no decimal point" in feeds_of_g70(tmp_path, "part.nc", text)[2]
 
 
-def test_okuma_goes_back_to_the_level_of_g71_after_each_hole(tmp_path: Path) -> None:
-    """G71 Z was a move, and changed inches to millimetres; M53 was not carried out."""
-    holes = "G81 X1. Y1. Z-.5 R.1 F10. M53\nX2.\nG80\n"
-    text = f"G20 G90\nG0 X0. Y0. Z4.\nG71 Z2.\n{holes}G1 X3. F10.\nM2\n"
-    found = program(tmp_path, text)
-    inches = found.operation().path.position / 25.4e-3
-    assert np.allclose(inches[:2], [[0, 0, 4], [1, 1, 4]])
-    assert np.allclose(inches[2:5], [[1, 1, 0.1], [1, 1, -0.5], [1, 1, 2]])
-    assert np.allclose(inches[-1], [3, 1, 2])
-    assert "M53" not in str(found.notes)
-    # M54 is the level of R
-    lower = positions(tmp_path, text.replace("X2.\n", "X2. M54\n")) / 25.4
-    assert np.allclose(lower[-2:], [[2, 1, 0.1], [3, 1, 0.1]])
-    # on other controls G71 is millimetres alone
-    other = positions(tmp_path, "G71 G90\nG0 X0. Y0. Z9.\nG1 G71 Z2. F60\nX5.\nM30\n")
-    assert np.allclose(other[1], [0, 0, 2])
-    with pytest.raises(InputError, match=r"M53 .Okuma. goes back to the level of G71"):
-        program(tmp_path, text.replace("G71 Z2.\n", ""))
-    with pytest.raises(InputError, match="top of the machine"):
-        program(tmp_path, text.replace("X2.\n", "X2. M52\n"))
-
-
 def test_reaming_goes_out_at_its_own_feed(tmp_path: Path) -> None:
     """RFF was said not to be carried out."""
     head = "G710 G90 G54\nS900 M3\nG0 X0 Y0 Z9\n"
