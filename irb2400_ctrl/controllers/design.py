@@ -21,7 +21,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from irb2400_ctrl.codegen import Block
 from irb2400_ctrl.controllers.linear import LinearLoop
-from irb2400_ctrl.controllers.margins import Margins, frequencies, margins
+from irb2400_ctrl.controllers.margins import Margins, frequencies, margins, times
 from irb2400_ctrl.controllers.timing import Timing
 from irb2400_ctrl.errors import InfeasibleError, InputError
 from irb2400_ctrl.robot import Robot
@@ -223,7 +223,7 @@ class WorstCase:
         state = "stable" if self.stable else "UNSTABLE"
         return (
             f"{state}; phase {np.degrees(self.phase):.0f} deg, "
-            f"gain {self.gain_down:.2f} to {self.gain_up:.1f} times, "
+            f"gain {times(self.gain_down, self.gain_up)}, "
             f"further delay {1e3 * self.delay:.1f} ms; "
             f"sensitivity peak: coupled {self.coupled_peak:.2f}, of a joint {self.sensitivity:.2f}"
         )

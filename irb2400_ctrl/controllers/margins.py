@@ -12,6 +12,13 @@ from irb2400_ctrl.arrays import Array
 Response = NDArray[np.complex128]
 
 
+def times(down: float, up: float) -> str:
+    """Gain margins in words; either side may be open."""
+    if down < 0.005:
+        return "any" if np.isinf(up) else f"up to {up:.3g} times"
+    return f"{down:.2f} times or more" if np.isinf(up) else f"{down:.2f} to {up:.3g} times"
+
+
 @dataclass(frozen=True)
 class Margins:
     """Margins of one loop L, negative feedback.
@@ -34,7 +41,7 @@ class Margins:
 
     def __str__(self) -> str:
         return (
-            f"gain {self.gain_down:.2f} to {self.gain_up:.2f} times, phase "
+            f"gain {times(self.gain_down, self.gain_up)}, phase "
             f"{np.degrees(self.phase):.0f} deg, "
             f"delay {1e3 * self.delay:.1f} ms, crossover {self.crossover:.0f} rad/s, Ms "
             f"{self.sensitivity:.2f}"

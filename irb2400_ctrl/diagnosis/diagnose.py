@@ -252,10 +252,11 @@ def _concluded(
     change: bool,
 ) -> Diagnosis:
     motion = fitter.motion
+    recalibrated = _updated(prior, fitter.fit([]))
     fit = with_possible_bodies(prior, with_friction_first(prior, fit))
-    recalibrated = prior.updated(prior.deviations(fit.z))
-    effects = (*recalibrated.effects, *fit.effects)
-    augmented = Robot.model_validate({**dict(recalibrated), "effects": effects})
+    moved = prior.updated(prior.deviations(fit.z))
+    effects = (*moved.effects, *fit.effects)
+    augmented = Robot.model_validate({**dict(moved), "effects": effects})
     # what began in the middle of one record is there all through the next
     later = augmented.lasting()
     compared = [_compared(motion, given, recalibrated, augmented)]
@@ -271,7 +272,7 @@ def _concluded(
         reference = given.model_copy(update={"effects": effects})
         counts = _better_with_numbers(motion, reference, compared[0])
     told = numbers(prior, fit, later, change=change, friction_counts=counts)
-    if any(one.name in BODY for one in told) and turns_impossible(given, recalibrated):
+    if any(one.name in BODY for one in told) and turns_impossible(given, moved):
         weak.append(IMPOSSIBLE)
     found = Diagnosis(
         given=given,
@@ -290,6 +291,12 @@ def _concluded(
         return found
     joints = numbered("joint", found.worse_at_rest)
     return replace(found, weak=(*weak, WORSE_AT_REST.format(joints=joints)))
+
+
+def _updated(prior: AnyPrior, fit: Fit) -> Robot:
+    """The robot with the numbers of a fit, which stay within what a body can have."""
+    fit = with_possible_bodies(prior, with_friction_first(prior, fit))
+    return prior.updated(prior.deviations(fit.z))
 
 
 def _better_with_numbers(motion: PreparedLog, reference: Robot, found: Comparison) -> Mask:

@@ -45,7 +45,8 @@ class Comparison:
 
     Args:
         known: samples that count for the errors.
-        recalibrated: the robot with new parameters but without the effects.
+        recalibrated: the robot with the numbers that explain the log best without further effects:
+            those found beside effects would do worse alone.
         noise_floor: what a perfect model would leave on this log [Nm rms], (n,).
     """
 

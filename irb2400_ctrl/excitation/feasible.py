@@ -63,10 +63,11 @@ class Extent:
         }
 
     def shares(self) -> str:
-        """Of the limits that a motor has, in words."""
+        """Of the limits that a motor has, and what is left of the ranges, in words."""
         return (
-            f"torque at most {100 * self.torque:.0f} % of its limit, speed "
-            f"{100 * self.speed:.0f} %, acceleration {100 * self.acceleration:.0f} %"
+            f"{np.degrees(self.box):.1f} deg or more inside the joints' ranges; torque at most "
+            f"{100 * self.torque:.0f} % of its limit, speed {100 * self.speed:.0f} %, acceleration "
+            f"{100 * self.acceleration:.0f} %"
         )
 
     def wrong(self) -> str:

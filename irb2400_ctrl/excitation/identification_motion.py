@@ -21,6 +21,7 @@ from irb2400_ctrl.excitation.friction_runs import FrictionRuns, friction_runs
 from irb2400_ctrl.excitation.motion_design import Budget, Design, standard_course
 from irb2400_ctrl.excitation.room import in_room
 from irb2400_ctrl.files import write_atomic, write_json
+from irb2400_ctrl.identification.gate import MATTERS, SURE
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.robot import Robot
 from irb2400_ctrl.trajectory import Trajectory
@@ -28,6 +29,8 @@ from irb2400_ctrl.typed import typed
 
 IDENTIFY = "identify"
 """what `irb2400 excite --for` calls it"""
+UNSEEN = 1.0
+"""standard errors that a change that matters is worth, below which a motion does not show it"""
 FINE_DEG = 0.01
 """tolerance of a RAPID module of slow runs, whose way is half a degree"""
 
@@ -91,14 +94,26 @@ class IdentificationMotion:
         assumed = AccelerationLimits.of(self.robot).remark()
         return [
             f"motion of {self.course.duration:.1f} s: condition number {after:.0f} (standard "
-            f"motion {before:.0f}); the number it shows least stands out "
-            f"{self.distances[1][0]:.3g} standard errors ({self.distances[0][0]:.3g})",
+            f"motion {before:.0f})",
+            *self.shown(),
             self.extent.shares(),
             f"slow runs of {self.runs.course.duration:.0f} s: {len(self.runs.speeds[0])} speeds of "
             f"every joint from {self.runs.speeds[0][0]:.3g} rad/s, both ways (eq. 74, thinned)",
             f"in them {self.runs.extent.shares()}",
             *([assumed] if assumed else []),
             f"record both, then: {self.next_command(robot)}",
+        ]
+
+    def shown(self) -> list[str]:
+        """Which of the arm's numbers can be seen in the first motion; a change of each by the size
+        that matters is asked for."""
+        usual, own = self.alone
+        clear = [int(np.count_nonzero(d * SURE >= 1.0)) for d in (usual, own)]
+        lost = [name for name, d in zip(self.numbers, own, strict=True) if d < UNSEEN]
+        return [
+            f"it shows {clear[1]} of {len(own)} numbers of the arm surely (standard motion "
+            f"{clear[0]}): of each a change worth {100 * MATTERS:.0f} % of its joint's torque",
+            *([f"cannot be seen in this motion: {', '.join(lost)}"] if lost else []),
         ]
 
     def next_command(self, robot: str = "irb2400") -> str:

@@ -27,7 +27,8 @@ class ErrorsEntry(Table):
 
 
 class LogErrorsEntry(Table):
-    """A log with the robot as given, recalibrated alone, and with what was found."""
+    """A log with the robot as given, with the numbers that explain it best without further
+    effects, and with what was found."""
 
     before: ErrorsEntry
     recalibrated: ErrorsEntry

@@ -57,6 +57,9 @@ class PlannedEntry(Table):
     refused: str = Field(description="why there is no plan; empty where there is one")
     duration_s: Positive | None = None
     singularity_margin: dict[str, float] | None = None
+    margins: dict[str, float] | None = Field(
+        None, description="the same as parts of their largest values, as of the continuous path"
+    )
     clearance_mm: float | None = None
     max_torque_ratio: NotNegative | None = None
     max_velocity_ratio: NotNegative | None = None

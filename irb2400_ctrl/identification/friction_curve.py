@@ -15,6 +15,7 @@ from irb2400_ctrl.measurement import Log
 from irb2400_ctrl.measurement.prepared_log import PreparedLog
 from irb2400_ctrl.model.friction import FrictionLaw
 from irb2400_ctrl.robot import Robot
+from irb2400_ctrl.wording import counted
 
 FEWEST = 4
 """speeds through which Coulomb and viscous friction are drawn"""
@@ -59,10 +60,11 @@ class FrictionCurve:
     def says(self) -> str:
         """One line for the reader."""
         slowest = min(p.speed for p in self.points)
-        said = f"joint {self.joint}: {len(self.points)} speeds from {slowest:.2g} rad/s"
+        said = f"joint {self.joint}: {counted(len(self.points), 'speed')} from {slowest:.2g} rad/s"
         if self.left_out:
             worst = max(abs(run.speed) for run in self.left_out)
-            said += f"; {len(self.left_out)} runs up to {worst:.2g} rad/s stick and slip, left out"
+            runs = counted(len(self.left_out), "run")
+            said += f"; {runs} up to {worst:.2g} rad/s stick and slip, left out"
         if not self.shows_rise:
             said += "; more friction at low speed is not shown and stays as in the file"
             said += "" if self.left_out else ": slower runs would help"

@@ -330,7 +330,8 @@ def test_names_follow_the_verdict(verdict: str, said: str) -> None:
 def test_a_torque_without_a_name_is_told_once() -> None:
     """Joint 2 had 6.23 Nm more than noise, and 7.43 Nm unexplained."""
     noise = SimpleNamespace(left=np.full(6, 5.0), floor=np.ones(6))
-    error = SimpleNamespace(error_after=SimpleNamespace(rmse=np.full(6, 5.0)))
+    left = SimpleNamespace(rmse=np.full(6, 5.0))
+    error = SimpleNamespace(error_before=left, error_recalibrated=left, error_after=left)
     found = diagnosis(finding("gear_ripple", 1, 0.1))
     found.log_problem = found.validation = None
     found.noise = noise

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
@@ -16,6 +17,7 @@ from irb2400_ctrl.excitation import Budget, IdentificationMotion, excite_identif
 from irb2400_ctrl.excitation.feasible import SHARE
 from irb2400_ctrl.identification.constant_runs import runs_of
 from irb2400_ctrl.planners.programs.rapid.rapid_reader import read_rapid
+from irb2400_ctrl.report.pages.identification_motion_page import number_rows
 
 SMALL = Budget(pool=24, rounds=1, mutations=8)
 ROBOT = possible_robot()
@@ -73,6 +75,23 @@ def test_the_files_hold_the_motions(tmp_path: Path) -> None:
     )
     assert np.degrees(np.abs(slow.q - q).max()) < 0.1
     assert paths["trajectory.csv"].stat().st_size > 1e5
+
+
+def test_what_the_motion_cannot_show_is_said_in_words() -> None:
+    """The terminal said by how many thousandths of a standard error a number stood out, and only
+    the file how near the motion comes to the ends of the joints' ranges."""
+    found = planned()
+    told = "\n".join(found.lines())
+    assert f"{np.degrees(found.extent.box):.1f} deg or more inside the joints' ranges" in told
+    assert "cannot be seen" not in told
+    own = found.alone[1].copy()
+    own[3] = 0.004
+    blind = replace(found, alone=(found.alone[0], own))
+    told = "\n".join(blind.lines())
+    assert "stands out" not in told
+    assert f"cannot be seen in this motion: {found.numbers[3]}\n" in told
+    assert f"of {len(own)} numbers of the arm surely" in told
+    assert number_rows(blind)[1][0][::2] == [found.numbers[3], "cannot be seen"]
 
 
 def test_another_duration_is_refused() -> None:

@@ -83,7 +83,13 @@ def test_a_load_is_a_load_and_nothing_else_and_weighs_what_it_weighs() -> None:
         assert body.mass == pytest.approx(MASS, rel=0.03)
         centre = (at_link @ [*body.com, 1.0])[:3]
         assert np.linalg.norm(centre - CENTRE) < 8e-3
-    assert "what changed since the reference:" in lines(found)
+    # of a robot file nobody can tell whether the arm had it then
+    told = lines(found)
+    assert "what is otherwise than the reference file states:" in told
+    assert "Something is otherwise than the reference file states" in told[0]
+    against_logs = lines(replace(found, before=today()))
+    assert "what changed since the reference:" in against_logs
+    assert "Something has changed since the reference" in against_logs[0]
 
 
 def test_friction_of_another_day_is_a_number_that_changed() -> None:

@@ -247,3 +247,22 @@ def test_names_in_korean(tmp_path: Path) -> None:
     found = read_log(path, columns=tmp_path / "map.toml")
     same(found, LOG)
     np.testing.assert_allclose(found.qd, SPEED, atol=1e-8)
+
+
+@pytest.mark.parametrize("side", ["right", "left"])
+def test_angles_that_are_called_as_their_joints(side: str, tmp_path: Path) -> None:
+    """As the recorder of a Sawyer writes them: no column was called as angles are."""
+    columns = {"time": T, f"{side}_j{{j0}}": Q, f"{side}_j{{j0}}_effort": TAU}
+    path = written(tmp_path / "log.csv", columns)
+    (tmp_path / "map.toml").write_text(shown(path), "utf-8")
+    same(read_log(path, columns=tmp_path / "map.toml"), LOG)
+    names = ("pan", "lift", "elbow", "first", "second", "third")
+    columns = {"time": T, **dict(zip(names, Q.T, strict=True))}
+    columns |= {f"torque {name}": tau for name, tau in zip(names, TAU.T, strict=True)}
+    path = tmp_path / "named.csv"
+    table = np.column_stack(list(columns.values()))
+    np.savetxt(path, table, delimiter=",", header=",".join(columns), comments="")
+    with pytest.raises(InputError) as refused:
+        read_log(path, names=names)
+    (tmp_path / "map.toml").write_text(str(refused.value).split("check them:\n\n")[1], "utf-8")
+    same(read_log(path, columns=tmp_path / "map.toml"), LOG)

@@ -176,6 +176,22 @@ def test_unknown_names_are_refused_with_both_lists_and_read_by_a_map(tmp_path: P
     same(read_log(path, names=UR, columns=map_), Log(log.time, log.q[:, ::-1], log.tau[:, ::-1]))
 
 
+def test_dots_in_names_of_joints_are_the_joints_own(tmp_path: Path) -> None:
+    """Only what stood behind the last dot was held against the robot's names."""
+    log = made()
+    joints = [f"arm.{name}" for name in UR]
+    same(read_log(bag(tmp_path / "a.db3", log, joints), names=joints), log)
+    recorded = [f"robot/arm.{name}_joint" for name in UR]
+    same(read_log(bag(tmp_path / "b.db3", log, recorded), names=joints), log)
+    two = Log(log.time, np.c_[1.0 - log.q, log.q], np.c_[-log.tau, log.tau])
+    right = [f"right.joint_{k}" for k in range(1, 7)]
+    left = [f"left.joint_{k}" for k in range(1, 7)]
+    path = bag(tmp_path / "c.db3", two, [*left, *right])
+    same(read_log(path, names=right), log)
+    with pytest.raises(InputError, match=r"'right.joint_1.position' are both the position of"):
+        read_log(path)
+
+
 def test_names_are_the_robots_own_only_where_all_of_them_are() -> None:
     assert joint_order(["b", "a"], ["a", "b"]) == [1, 0]
     assert joint_order(["left_b_joint", "a"], ["a", "b"]) == [1, 0]

@@ -14,6 +14,7 @@ from irb2400_ctrl import Model, load_robot
 from irb2400_ctrl.cell import load_cell
 from irb2400_ctrl.cell.piece import cell_pieces
 from irb2400_ctrl.cli.main import app
+from irb2400_ctrl.cli.planning.margin_lines import planned_margins
 from irb2400_ctrl.errors import InputError, UnreachableError
 from irb2400_ctrl.planners import read_program
 from irb2400_ctrl.planners.placement import Area, place, rail_position
@@ -161,6 +162,17 @@ def test_command(part: Path, tmp_path: Path) -> None:
     assert told["found"]["deflection_mm"] < told["start"]["deflection_mm"]
     assert told["looked_at"] == len(told["map"]) > 10
     assert "found: --work-frame" in done.output
+
+
+def test_a_plan_of_another_way_than_the_judged_one_says_so() -> None:
+    """A place with 0.616 from the wrist singularity was planned with 0.535, and nothing said so."""
+    judged = {"margins": {"wrist": 0.616, "shoulder": 0.7, "elbow": 0.5, "joint_limits_deg": 40.0}}
+    planned = {"margins": {"wrist": 0.535, "shoulder": 0.699, "elbow": 0.6}}
+    told = planned_margins(planned, judged)
+    assert "wrist 0.535, shoulder 0.699, elbow 0.6; another way" in told
+    assert "judged above (wrist 0.616)" in told
+    planned["margins"]["wrist"] = 0.614
+    assert "another way" not in planned_margins(planned, judged)
 
 
 RAIL = """

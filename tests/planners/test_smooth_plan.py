@@ -128,3 +128,15 @@ def test_command_line(tmp_path: Path) -> None:
     assert said["jerk_limit_deg_s3"] == pytest.approx([5000.0] * 6)
     assert said["guaranteed"]
     assert "longer than without limits of the rates" in result.output
+
+
+def test_rates_that_cost_nothing_are_not_told(tmp_path: Path) -> None:
+    """`0.00 s longer than without limits of the rates`."""
+    path = tmp_path / "slow.csv"
+    path.write_text("x_mm,y_mm,z_mm,i,j,k,feed_mm_s\n900,0,700,0,0,1,5\n910,0,700,0,0,1,5\n")
+    out = str(tmp_path / "plan")
+    result = CliRunner().invoke(app, ["plan", str(path), "--fixed", "--out", out])
+    assert result.exit_code == 0, result.output
+    said = json.loads((tmp_path / "plan" / "plan.json").read_text())
+    assert said["duration_s"] - said["duration_without_rates_s"] < 0.005
+    assert "longer than without" not in result.output

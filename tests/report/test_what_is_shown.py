@@ -20,8 +20,10 @@ from irb2400_ctrl.report.pages.diagnosis_tables import (
     error_table,
     recalibration_rows,
     worse_elsewhere,
+    worse_here,
 )
 from irb2400_ctrl.report.pages.three_lists import Entry, body_lines
+from irb2400_ctrl.report.pages.validation_page import lines
 from irb2400_ctrl.wording import joined, numbered
 
 TIME = np.linspace(0.0, 1.0, 50)
@@ -100,6 +102,15 @@ def test_a_motion_that_is_predicted_worse_is_named() -> None:
     assert worse_elsewhere(found) == []
 
 
+def test_numbers_that_make_their_own_log_worse_are_named() -> None:
+    """The rows recalibrated and after stood at 0.369 Nm, before at 0.302, without a word."""
+    found: Any = SimpleNamespace(identification=compared((3.0, 0.302), (1.25, 0.369)))
+    (line,) = worse_here(found)
+    assert line.startswith("Joint 2: on other.csv the error grows from 0.302 to 0.369 Nm rms")
+    found.identification = compared((1.0, 1.3), (1.05, 1.35))
+    assert worse_here(found) == []
+
+
 def test_where_nothing_was_tried_nothing_stands_after() -> None:
     head, rows = error_table(compared((3.0, 1.0), (3.0, 1.0)), tried=False)
     assert list(head) == ["joint", "MAE before", "RMSE before", "RMSE/AVG before %"]
@@ -148,3 +159,18 @@ def test_large_numbers_fit_beside_a_small_plot(most: float, told: str) -> None:
 def test_the_legend_of_an_image_has_its_colours() -> None:
     """A page changed the grey of the legend, and in the dark its black, but not the image's."""
     assert not {to_hex(colour) for colour in COLOURS[1:]} & CHANGED.keys()
+
+
+def test_a_validation_shows_three_digits() -> None:
+    """A mean torque stood there as 256.813 Nm."""
+    error = SimpleNamespace(
+        mae=np.array([0.99213]),
+        rmse=np.array([2.0581]),
+        rmse_over_mean_percent=np.array([100 * 2.0581 / 256.813]),
+    )
+    quiet = np.zeros((1, 1))
+    log: Any = SimpleNamespace(
+        log="a.csv", error=error, remarks=(), known=quiet > 0, measured=quiet, modelled=quiet
+    )
+    told = lines(SimpleNamespace(logs=[log], error=error))  # type: ignore[arg-type]
+    assert told[1].split() == ["1", "0.992", "2.06", "257", "0.801"]

@@ -4,6 +4,10 @@ from __future__ import annotations
 
 from typing import Any
 
+OTHER_WAY = 0.02
+"""of a margin between the way judged and the one planned, from which they are not the same: what is
+planned is a bound, and lies a little below"""
+
 
 def margin_lines(start: dict[str, Any], found: dict[str, Any]) -> list[str]:
     """A margin a line, at the start and at the found place, and what is comfortable.
@@ -37,6 +41,27 @@ def margin_lines(start: dict[str, Any], found: dict[str, Any]) -> list[str]:
         before = (start.get("continuous") or {"margins": {}})["margins"]
         lines += rows(before, followed["margins"])
     return lines
+
+
+def planned_margins(planned: dict[str, Any], followed: dict[str, Any] | None) -> str:
+    """How near the planned motion comes to the singularities, and whether it takes another way than
+    the one that the place was judged by.
+
+    Args:
+        planned: as in placement.json, at a place; followed: its `continuous`.
+    """
+    told = ", ".join(f"{name} {value:.3g}" for name, value in planned["margins"].items())
+    judged = {} if followed is None else followed["margins"]
+    nearer = [
+        f"{name} {judged[name]:.3g}"
+        for name, value in planned["margins"].items()
+        if judged.get(name, 0.0) - value > OTHER_WAY
+    ]
+    other = (
+        f"; another way than the one judged above ({', '.join(nearer)}): of ways that are alike in "
+        "comfort the quickest is planned, under a cutting force the one that gives way least"
+    )
+    return f"distance from the singularities: {told}{other if nearer else ''}"
 
 
 def _shown(value: float | str | None) -> str:

@@ -23,7 +23,7 @@ from irb2400_ctrl.cli.options import (
     output_folder,
 )
 from irb2400_ctrl.cli.planning.cutting import CuttingForceOption, StiffnessOption, cutting_load
-from irb2400_ctrl.cli.planning.margin_lines import margin_lines
+from irb2400_ctrl.cli.planning.margin_lines import margin_lines, planned_margins
 from irb2400_ctrl.cli.planning.on_rail import on_rail
 from irb2400_ctrl.cli.progress import step
 from irb2400_ctrl.cli.summary import Summary, answers, wrote
@@ -216,8 +216,10 @@ def _planned(
     out: Path,
 ) -> dict[str, Any]:
     """What planning the operations one by one gives at a place."""
+    from irb2400_ctrl.model import Model
     from irb2400_ctrl.planners import plan_path
     from irb2400_ctrl.planners.program_plan import for_operation
+    from irb2400_ctrl.planners.redundancy.singularity_margins import NAMES, scales
 
     load = None if found.load is None else found.load.turned(X_BW)
     around = None if cell is None else cell.placed(X_BW)
@@ -236,10 +238,13 @@ def _planned(
     clearance = [s["clearance_mm"]["value"] for s in told]
     known = [value for value in clearance if value is not None]
     given = [s["deflection"]["largest_mm"] for s in told if s["deflection"]]
+    least = {name: min(m[name] for m in margins) for name in margins[0]}
+    sizes = dict(zip(NAMES, scales(Model(found.robot)).tolist(), strict=True))
     return {
         "refused": "",
         "duration_s": sum(s["duration_s"] for s in told),
-        "singularity_margin": {name: min(m[name] for m in margins) for name in margins[0]},
+        "singularity_margin": least,
+        "margins": {name: value / sizes[name] for name, value in least.items()},
         "clearance_mm": min(known, default=None),
         "max_torque_ratio": max(s["max_torque_ratio"] for s in told),
         "max_velocity_ratio": max(s["max_velocity_ratio"] for s in told),
@@ -270,3 +275,4 @@ def _print(facts: dict[str, Any]) -> None:
                 f"{100 * told['max_torque_ratio']:.1f} %, speed "
                 f"{100 * told['max_velocity_ratio']:.1f} %"
             )
+            print(f"  {planned_margins(told, facts[name]['continuous'])}")

@@ -51,6 +51,9 @@ from irb2400_ctrl.cli.progress import step
 from irb2400_ctrl.cli.summary import Summary, answers, writes, wrote
 from irb2400_ctrl.errors import UnreachableError
 
+LEAST_TOLD = 0.005
+"""cost of limited rates [s] below which nothing is said"""
+
 if TYPE_CHECKING:
     from irb2400_ctrl.planners import CamProgram, Plan
     from irb2400_ctrl.robot import Robot
@@ -334,4 +337,5 @@ def _print_summary(planned: Plan, tolerance: float) -> None:
     if "duration_without_rates_s" in s:
         # that of the jumping law is a bound of its cells: a hair above what can be
         longer = max(planned.duration - s["duration_without_rates_s"], 0.0)
-        print(f"{longer:.2f} s longer than without limits of the rates")
+        if longer >= LEAST_TOLD:
+            print(f"{longer:.2f} s longer than without limits of the rates")

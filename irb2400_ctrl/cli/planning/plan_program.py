@@ -13,6 +13,7 @@ from irb2400_ctrl.cli.progress import step
 from irb2400_ctrl.cli.summary import Summary
 from irb2400_ctrl.errors import InputError, UnreachableError
 from irb2400_ctrl.system import give_back_freed
+from irb2400_ctrl.wording import counted
 
 if TYPE_CHECKING:
     from irb2400_ctrl.arrays import Array
@@ -75,7 +76,7 @@ def plan_all(job: Job) -> Summary:
     """The whole into the folder itself, each operation into its own, and program.json."""
     from irb2400_ctrl.planners import plan_program
 
-    task = f"planning {len(job.program.operations)} operations"
+    task = f"planning {counted(len(job.program.operations), 'operation')}"
     with step(task) as say:
         found = plan_program(
             job.arm,
@@ -170,7 +171,9 @@ def print_motion(motion: ProgramMotion, name: str, tolerance: float) -> None:
         tolerance: how far corners might be cut [m].
     """
     s = motion.summary()
-    print(f"{name}: one motion of {len(motion.segments)} segments, {motion.duration:.2f} s")
+    print(
+        f"{name}: one motion of {counted(len(motion.segments), 'segment')}, {motion.duration:.2f} s"
+    )
     for unwound in motion.unwindings:
         print(f"operation {unwound.operation}, {unwound.start:.2f} s: {unwound.note}")
     rests = [event for event in motion.events if event.at_rest]

@@ -32,7 +32,10 @@ ANGLE = (
     r"pos|ang|(?<!e)q|theta|θ|rax|winkel|^([aj]|jt|mp)\W*$|state\W*$|角|각도|위치"
     rf"|{DEGREE_OR_RAD}|{TURNS}|{PULSES}"
 )
-OF_A_JOINT = r"joint|jnt|axis|achse|(?<![a-z])(axe|asse|eje)(?![a-z])|軸|轴|关节|関節|관절"
+OF_A_JOINT = (
+    r"joint|jnt|axis|achse|(?<![a-z])(axe|asse|eje)(?![a-z])|軸|轴|关节|関節|관절"
+    r"|(?<![a-z])j(?=\W*$)"
+)
 """a joint's signal whose own word is not known may be its angle"""
 QUANTITIES = {
     "tau": rf"{TORQUE}|{CURRENT}|(?<!co)eff|load|force|(?<![a-z])m_?(?=act|targ)|^m?t\W*$"
@@ -60,7 +63,9 @@ MOTOR = re.compile(r"moto|moteur|resolver|rotor|(?<![a-z])(mot(?![a-z])|m(?=pos|
 def meaning(pattern: str) -> tuple[str, int]:
     """What a name means, and how surely: 0 where it says measured, 2 of a commanded torque or a
     current; "" where it is of another thing, or does not tell."""
-    words = re.sub(r"\{(j0?|name)\}|\d", "", pattern).lower()
+    # what is called as the joint itself is a signal of the joint
+    words = re.sub(r"^\{name\}$", "joint", pattern)
+    words = re.sub(r"\{(j0?|name)\}|\d", "", words).lower()
     meant = next((q for q, known in QUANTITIES.items() if re.search(known, words)), "")
     if not meant or OTHERS.search(words):
         return "", 3

@@ -30,6 +30,19 @@ def joint_order(recorded: Sequence[str], robot: Sequence[str]) -> list[int] | No
     return found if len(set(found)) == len(found) else None
 
 
+def joint_in(path: str, robot: Sequence[str]) -> str:
+    """The joint that a name is of: what stands behind its last dot or stroke, with as much before
+    it as the robot's own name of the joint has (`arm.joint_1`)."""
+    cuts = [match.end() for match in re.finditer(r"[/.]", path)]
+    tails = [path[cut:] for cut in reversed([0, *cuts])]
+    wanted = [_plain(name) for name in robot]
+    return next((tail for tail in tails if _ends_with(_plain(tail), wanted)), tails[0])
+
+
+def _ends_with(plain: str, wanted: Sequence[str]) -> bool:
+    return any(f"_{plain}".endswith(f"_{name}") for name in wanted)
+
+
 def numbered_order(recorded: Sequence[str]) -> list[int] | None:
     """Places by the numbers 1 to n that the names end with; None where they do not."""
     ends = [re.search(r"(\d+)$", _plain(name)) for name in recorded]

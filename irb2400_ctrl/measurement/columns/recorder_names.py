@@ -27,7 +27,7 @@ import numpy as np
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InputError
-from irb2400_ctrl.measurement.columns.joint_order import places
+from irb2400_ctrl.measurement.columns.joint_order import joint_in, places
 from irb2400_ctrl.measurement.columns.signal_names import TIME_WORDS, time_scale
 from irb2400_ctrl.measurement.table import Table
 
@@ -46,7 +46,7 @@ _FRANKA = re.compile(
     r"(?:(?:state|field|.*/franka_states)[./])?(q|dq|q_d|tau_J)(?:\[(\d)\]|_?(\d))"
 )
 _FRANKA_SIGNALS = {"q": "q", "dq": "qd", "q_d": "q_ref", "tau_J": "tau"}
-_NAMED = re.compile(r"(.*[/.])?(?P<joint>[^/.]+)[/.](?P<word>position|velocity|effort)")
+_NAMED = re.compile(r"(?P<joint>.*[^/.])[/.](?P<word>position|velocity|effort)")
 _JOINED = re.compile(r"(?P<joint>.+)_(?P<word>position|velocity|effort)")
 _BEFORE = re.compile(r"(?P<word>position|velocity|effort)_(?P<joint>(?!\d+$).+)")
 _ECHO = re.compile(
@@ -151,10 +151,10 @@ def _by_joint(table: Table, joints: Sequence[str] | None) -> dict[str, dict[int,
     for name in table.columns:
         match = form.fullmatch(name)
         if match is not None:
-            columns = seen.setdefault(match["joint"], {})
-            other = columns.setdefault(match["word"], name)
+            joint = match["joint"] if form is not _NAMED else joint_in(match["joint"], joints or ())
+            other = seen.setdefault(joint, {}).setdefault(match["word"], name)
             if other != name:
-                raise _twice(table, other, name, f"the {match['word']} of {match['joint']}")
+                raise _twice(table, other, name, f"the {match['word']} of {joint}")
     return _ordered(table, list(seen), list(seen.values()), joints)
 
 

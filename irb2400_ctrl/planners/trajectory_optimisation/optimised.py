@@ -75,6 +75,9 @@ class Optimised:
     iterations: int
     wall_time: dict[str, float] = field(default_factory=dict)
     """[s] per stage"""
+    torque_as_read: float = math.nan
+    """largest torque over its limit where the rows of `trajectory` are read as cubics through their
+    angles and speeds [-]: more than 1 where the torque jumps, however dense the rows are"""
 
     def __post_init__(self) -> None:
         for array in (self.waypoints, self.waypoint_time):
@@ -114,6 +117,7 @@ class Optimised:
             "peak_torque_Nm": found.peak_torque.tolist(),
             "fixed_geometry_peak_torque_Nm": fixed.peak_torque.tolist() if fixed else None,
             "max_torque_ratio": found.checked.torque_ratio,
+            "max_torque_ratio_as_read": self.torque_as_read,
             "max_velocity_ratio": found.checked.velocity_ratio,
             "guaranteed": found.guaranteed,
             "singularity_margin": found.margins,
@@ -123,6 +127,19 @@ class Optimised:
             "iterations": self.iterations,
             "wall_time_s": self.wall_time,
         }
+
+
+def torque_as_read(model: Model, rows: Trajectory) -> float:
+    """Largest torque over its limit of an arm whose joints are on the cubics through angles and
+    speeds of rows [-]; within a cubic the acceleration is largest at a row, before or behind it."""
+    path = JointPath.hermite(rows.time, rows.q, rows.qd)
+    piece = np.arange(len(rows.time) - 1)
+    largest = 0.0
+    for time in (rows.time[:-1], rows.time[1:]):
+        states = (path.on_piece(time, piece, order) for order in range(3))
+        tau = model.inverse_dynamics(*states)
+        largest = max(largest, float((np.abs(tau) / model.robot.tau_max).max()))
+    return largest
 
 
 def outcome(certificate: Certificate, dynamics: PathDynamics) -> MotionOutcome:

@@ -10,8 +10,8 @@ WORDS = {
     "on arms whose flaws were known, nine in ten were.",
     "noise floor": "Scatter of the measured torque itself [Nm rms], taken from what changes faster "
     "than the error of a model does. What a perfect model would leave.",
-    "recalibrated": "With new values for what the model already has (masses, friction, offsets), "
-    "and nothing new in it.",
+    "recalibrated": "With the values that explain the log best for what the model already has "
+    "(masses, friction, offsets), and nothing new in it.",
     "eqs. 75-77": "The paper's three errors of a torque: MAE, the mean of the absolute error [Nm]; "
     "RMSE, the root of the mean square error [Nm]; and RMSE over the mean absolute measured "
     "torque [%].",

@@ -26,6 +26,7 @@ from irb2400_ctrl.report.pages.diagnosis_tables import (
     parameter_rows,
     recalibration_rows,
     worse_elsewhere,
+    worse_here,
 )
 from irb2400_ctrl.report.pages.three_lists import (
     LISTS,
@@ -33,6 +34,7 @@ from irb2400_ctrl.report.pages.three_lists import (
     entry_rows,
     findings_of,
     list_lines,
+    lists_of,
     number_lines,
     number_rows,
     numbers_of,
@@ -60,6 +62,7 @@ CHANGES = {
     "unexplained": "Something has changed since the reference that no effect of the library makes.",
 }
 """the same, where the arm itself on another day is the reference"""
+FROM_A_FILE = ("has changed since the reference", "is otherwise than the reference file states")
 
 
 def verdict_sentence(diagnosis: Diagnosis) -> str:
@@ -78,6 +81,8 @@ def verdict_sentence(diagnosis: Diagnosis) -> str:
     if diagnosis.verdict == "nothing_missing" and changed:
         said = f"{len(changed)} numbers" if len(changed) > 1 else "a number"
         return f"No new effect since the reference, but {said} of the arm changed."
+    if diagnosis.before is None and diagnosis.verdict != "nothing_missing":
+        return CHANGES[diagnosis.verdict].replace(*FROM_A_FILE)
     return CHANGES[diagnosis.verdict]
 
 
@@ -146,7 +151,7 @@ def add_diagnosis(
         page.table("RMSE of each log before and after [Nm]", *log_rows(diagnosis))
     _add_findings(page, diagnosis, robot)
     _add_joints(page, diagnosis, log)
-    for which, (heading, _) in LISTS.items():
+    for which, (heading, _) in lists_of(diagnosis).items():
         numbers = numbers_of(diagnosis, which)
         if numbers:
             page.heading(f"{heading}: every number")
@@ -241,7 +246,7 @@ def _add_remarks(page: Page, diagnosis: Diagnosis) -> None:
 
 def _add_lists(page: Page, diagnosis: Diagnosis) -> None:
     """What changed, what is special, what the file lacks; each with what to do about it."""
-    for which, (heading, advice) in LISTS.items():
+    for which, (heading, advice) in lists_of(diagnosis).items():
         entries = findings_of(diagnosis, which)
         numbers = numbers_of(diagnosis, which)
         if not entries and not numbers:
@@ -287,7 +292,7 @@ def _why(diagnosis: Diagnosis) -> list[str]:
         for j in told
         if j not in diagnosis.quick.joints
     ]
-    return found + worse_elsewhere(diagnosis)
+    return found + worse_here(diagnosis) + worse_elsewhere(diagnosis)
 
 
 def finding_title(finding: Finding) -> str:

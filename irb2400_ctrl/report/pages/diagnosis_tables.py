@@ -166,3 +166,16 @@ def worse_elsewhere(diagnosis: Diagnosis) -> list[str]:
         f"{after[j]:.2f} Nm rms: what was found on this log does not hold there."
         for j in np.flatnonzero(worse)
     ]
+
+
+def worse_here(diagnosis: Diagnosis) -> list[str]:
+    """Joints that the numbers of a fit make worse on the very log it was made on."""
+    compared = diagnosis.identification
+    before = compared.error_before.rmse
+    now = np.maximum(compared.error_recalibrated.rmse, compared.error_after.rmse)
+    return [
+        f"Joint {j + 1}: on {Path(compared.name).name} the error grows from {show(before[j])} to "
+        f"{show(now[j])} Nm rms with the fitted numbers. The fit smooths the torques and leaves "
+        "out turns, which count here: check its friction close to standstill."
+        for j in np.flatnonzero(now > WORSE * before)
+    ]

@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from irb2400_ctrl.excitation.excitation import with_way
-from irb2400_ctrl.excitation.identification_motion import IdentificationMotion
+from irb2400_ctrl.excitation.identification_motion import UNSEEN, IdentificationMotion
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.report.elements.arm_view import ArmView
 from irb2400_ctrl.report.elements.page import Page, of_limit
@@ -115,4 +115,9 @@ def number_rows(found: IdentificationMotion) -> tuple[list[str], list[list[objec
     """Head and rows: a number a row, the one that is shown least first."""
     before, after = found.alone
     head = ["number", "standard motion [standard errors]", "this motion [standard errors]"]
-    return head, [[found.numbers[k], float(before[k]), float(after[k])] for k in np.argsort(after)]
+    shown = [[_said(d) for d in distances] for distances in (before, after)]
+    return head, [[found.numbers[k], shown[0][k], shown[1][k]] for k in np.argsort(after)]
+
+
+def _said(distance: float) -> object:
+    return float(f"{distance:.2g}") if distance >= UNSEEN else "cannot be seen"

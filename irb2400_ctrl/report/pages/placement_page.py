@@ -182,7 +182,15 @@ def _add_planned(page: Page, planned: Mapping[str, Any]) -> None:
         if any(value is not None for value in values):
             told = ["-" if value is None else float(np.float64(value)) for value in values]
             rows.append([name, *told, unit])
+    for key in NAMES:
+        values = [(planned[at].get("margins") or {}).get(key) for at in ("start", "found")]
+        if any(value is not None for value in values):
+            rows.append([_name(key), *("-" if value is None else value for value in values), "-"])
     page.table("Start and found", ["quantity", "start", "found", "unit"], rows)
+    page.text(
+        "Of ways that are alike in comfort the quickest is planned, under a cutting force the one "
+        "that gives way least: it may be another than the one judged above."
+    )
     for at in ("start", "found"):
         if planned[at]["refused"]:
             page.finding(f"No plan at the {at}: {planned[at]['refused']}")

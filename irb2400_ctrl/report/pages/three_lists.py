@@ -32,6 +32,12 @@ LISTS = {
     ),
 }
 """heading of each list and what to do about it, in the order of their weight"""
+OF_A_FILE = (
+    "What is otherwise than the reference file states",
+    "It has changed since then, or was there before and is not in the file: diagnose logs of the "
+    "reference, and what they show is known.",
+)
+"""the first of them where the reference is a robot file, which nobody searched for effects"""
 WORDS = {
     "coulomb_Nm": "Coulomb friction [Nm]",
     "viscous_Nms_rad": "viscous friction [Nm s/rad]",
@@ -131,6 +137,11 @@ class Entry:
         return text + ")"
 
 
+def lists_of(diagnosis: Diagnosis) -> dict[str, tuple[str, str]]:
+    """The lists with their headings and advice, as the reference of a diagnosis asks for."""
+    return LISTS if diagnosis.before is not None else {**LISTS, "changed": OF_A_FILE}
+
+
 def findings_of(diagnosis: Diagnosis, which: str) -> list[Entry]:
     """Entries of one list, those of the reference included."""
     found = list(diagnosis.findings)
@@ -214,7 +225,7 @@ def _places(places: Sequence[str]) -> str:
 def list_lines(diagnosis: Diagnosis) -> list[str]:
     """The lists for a terminal."""
     found = []
-    for which, (heading, _) in LISTS.items():
+    for which, (heading, _) in lists_of(diagnosis).items():
         entries = findings_of(diagnosis, which)
         numbers = numbers_of(diagnosis, which)
         if not entries and not numbers:

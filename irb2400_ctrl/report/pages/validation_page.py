@@ -10,7 +10,7 @@ from irb2400_ctrl.diagnosis.preparation.metrics import Errors
 from irb2400_ctrl.identification import LogComparison, Validation
 from irb2400_ctrl.identification.few_samples import few_samples
 from irb2400_ctrl.measurement import Log
-from irb2400_ctrl.report.elements.page import Page, sentence
+from irb2400_ctrl.report.elements.page import Page, sentence, show
 from irb2400_ctrl.report.elements.plots import Line, joint_plots
 from irb2400_ctrl.report.figures.residual_figures import left_of
 from irb2400_ctrl.report.figures.residual_view import residual_view
@@ -99,7 +99,8 @@ def lines(result: Validation) -> list[str]:
             found.append(name)
         found.append("joint  MAE [Nm]  RMSE [Nm]  AVG [Nm]  RMSE/AVG [%]")
         for joint, mae, rmse, mean, share in rows(error)[1]:
-            found.append(f"{joint:>5}{mae:10.3f}{rmse:11.3f}{mean:10.3f}{share:14.2f}")
+            told = [show(value) for value in (mae, rmse, mean, share)]
+            found.append(f"{joint:>5}{told[0]:>10}{told[1]:>11}{told[2]:>10}{told[3]:>14}")
     for log in result.logs:
         said = [*log.remarks, *few_samples(log)]
         found += [f"note: {Path(log.log).name}: {remark}" for remark in said]

@@ -111,6 +111,17 @@ def test_feeds_tell_the_unit_where_nothing_else_does(tmp_path: Path) -> None:
     assert "no UNITS/" in str(program.of_kind("assumed")[0])
 
 
+@pytest.mark.parametrize("word", ["MPS", "CMPS"])
+def test_feeds_per_second_tell_metric_lengths_and_an_unknown_unit_names_them(
+    tmp_path: Path, word: str
+) -> None:
+    file = tmp_path / "part.apt"
+    file.write_text(f"FEDRAT/0.1,{word}\nGOTO/100,0,0\nGOTO/100,20,0\n")
+    assert "lengths in mm, as its feeds" in " ".join(map(str, read_program(file).notes))
+    with pytest.raises(InputError, match=rf"the word KMH, .*per second .*\b{word}\b"):
+        feed(tmp_path, "FEDRAT/0.1,KMH")
+
+
 @pytest.mark.parametrize("statement", ["UNITS/PARSEC", "FEDRAT/5,MMPX", "FEDRAT/1,2", "FEDRAT/0"])
 def test_unknown_units_are_refused(tmp_path: Path, statement: str) -> None:
     with pytest.raises(InputError, match="line 2"):

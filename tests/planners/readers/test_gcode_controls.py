@@ -308,7 +308,7 @@ def test_g70_of_siemens_leaves_the_feed_of_a_cycle_in_mm(tmp_path: Path) -> None
     length, _, _ = feeds_of_g70(tmp_path, "part.mpf", text)
     found = read_program(tmp_path / "part.mpf").operation().path.feed
     assert length > 25
-    assert 6e4 * found[np.isfinite(found)] == pytest.approx([120, 120])
+    assert 6e4 * found[np.isfinite(found)] == pytest.approx([120, 240])
 
 
 @pytest.mark.parametrize("said", ["#1=4", "(D=10 (CR=0) X=2)\n#1=4", "; X=2\n#1=4"])
@@ -325,3 +325,13 @@ def test_g70_of_another_control_is_of_feeds_too_and_said(tmp_path: Path, said: s
 def test_a_variable_makes_no_control_of_siemens(tmp_path: Path) -> None:
     text = "#1=4\n#<len>=5\nG21 G90\nG0 X0. Y0. Z10.\nG1 X20 F100\nM30\n"
     assert "no decimal point" in feeds_of_g70(tmp_path, "part.nc", text)[2]
+
+
+def test_reaming_goes_out_at_its_own_feed(tmp_path: Path) -> None:
+    """RFF was said not to be carried out."""
+    head = "G710 G90 G54\nS900 M3\nG0 X0 Y0 Z9\n"
+    for call, feeds in (("60,30", [60, 30]), ("60", [60, 60])):
+        read = program(tmp_path, f"{head}CYCLE85(5,0,2,-9,,0,{call})\nG1 X9 F80\nM30\n")
+        found = read.operation().path.feed
+        assert 6e4 * found[np.isfinite(found)] == pytest.approx([*feeds, 80])
+        assert ("CYCLE85 without RFF" in str(read.notes)) == (feeds[1] == 60)

@@ -86,3 +86,25 @@ def test_further_work_frames_of_haas(tmp_path: Path) -> None:
     for text in (f"G110\nG1 X=5 F60\n{CUT}", f"G112\n{CUT}"):
         with pytest.raises(InputError, match="is a pole"):
             program(tmp_path, f"G21 G90 G0 X0 Y0 Z0\n{text}M30\n")
+
+
+def test_okuma_goes_back_to_the_level_of_g71_after_each_hole(tmp_path: Path) -> None:
+    """G71 Z was a move, and changed inches to millimetres; M53 was not carried out."""
+    holes = "G81 X1. Y1. Z-.5 R.1 F10. M53\nX2.\nG80\n"
+    text = f"G20 G90\nG0 X0. Y0. Z4.\nG71 Z2.\n{holes}G1 X3. F10.\nM2\n"
+    found = program(tmp_path, text)
+    inches = found.operation().path.position / 25.4e-3
+    assert np.allclose(inches[:2], [[0, 0, 4], [1, 1, 4]])
+    assert np.allclose(inches[2:5], [[1, 1, 0.1], [1, 1, -0.5], [1, 1, 2]])
+    assert np.allclose(inches[-1], [3, 1, 2])
+    assert "M53" not in str(found.notes)
+    # M54 is the level of R
+    lower = program(tmp_path, text.replace("X2.\n", "X2. M54\n")).operation().path.position
+    assert np.allclose(lower[-2:] / 25.4e-3, [[2, 1, 0.1], [3, 1, 0.1]])
+    # on other controls G71 is millimetres alone
+    other = program(tmp_path, "G71 G90\nG0 X0. Y0. Z9.\nG1 G71 Z2. F60\nX5.\nM30\n")
+    assert np.allclose(1e3 * other.operation().path.position[1], [0, 0, 2])
+    with pytest.raises(InputError, match=r"M53 .Okuma. goes back to the level of G71"):
+        program(tmp_path, text.replace("G71 Z2.\n", ""))
+    with pytest.raises(InputError, match="top of the machine"):
+        program(tmp_path, text.replace("X2.\n", "X2. M52\n"))

@@ -24,8 +24,9 @@ def drill(
     cycle = drilling.with_retract(cycle, builder.here, point, builder.axis)
     for step in drilling.approach(cycle, builder.here, point, builder.axis):
         builder.move(step.position, rapid=True)
-    builder.feed = kept if cycle.feed is None else cycle.feed
+    way_in = cycle.feed or kept
     for step in drilling.hole(cycle, point, builder.axis):
+        builder.feed = (cycle.feed_out or way_in) if step.out else way_in
         builder.move(step.position, rapid=step.rapid)
         if step.dwell > 0:
             builder.dwell(step.dwell)

@@ -35,7 +35,7 @@ FEED_WORDS = frozenset(
     [*PER_MINUTE, *PER_SECOND, *PER_TURN, "PERMIN", "PERREV", "REV", "INVERS", "LOCK"]
 )
 IMPERIAL = frozenset({"IPM", "IPR", "IPS", "FPM"})
-METRIC = frozenset({"MMPM", "MPM", "MMPR", "MMPS", "CMPM"})
+METRIC = frozenset({"MMPM", "MPM", "MMPR", "MMPS", "CMPM", "MPS", "CMPS"})
 
 
 def stated_units(program: list[Statement], name: str) -> list[tuple[int, str]]:
@@ -75,7 +75,9 @@ def feed(arguments: tuple[str, ...], unit: float) -> Feed:
     if len(numbers) != 1 or wrong:
         found = f"{len(numbers)} numbers" if len(numbers) != 1 else f"the word {wrong[0]}"
         raise InputError(
-            f"FEDRAT/ has {found}, expected one number and its unit, for example FEDRAT/1200.0,MMPM"
+            f"FEDRAT/ has {found}, expected one number and its unit, for example "
+            f"FEDRAT/1200.0,MMPM (per minute {', '.join(PER_MINUTE)}; per second "
+            f"{', '.join(PER_SECOND)}; per turn {', '.join(PER_TURN)})"
         )
     value = number(numbers[0], "FEDRAT")
     if value <= 0:

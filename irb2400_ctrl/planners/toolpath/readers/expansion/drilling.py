@@ -38,15 +38,18 @@ class HoleCycle:
     name: str = "DRILL"
     assumed: str = ""
     """how the statement was read, where it can be read in two ways"""
+    feed_out: Feed | None = None
+    """of the way out of a bore; None: that of the way in"""
 
 
 @dataclass(frozen=True)
 class HoleMove:
-    """A move to `position`; `dwell` seconds there."""
+    """A move to `position`; `dwell` seconds there; `out`: at the feed of the way out."""
 
     position: Array
     rapid: bool
     dwell: float = 0.0
+    out: bool = False
 
 
 def with_retract(cycle: HoleCycle, here: Array | None, point: Array, axis: Array) -> HoleCycle:
@@ -109,7 +112,7 @@ def hole(cycle: HoleCycle, point: Array, axis: Array) -> Iterator[HoleMove]:
         reached = level
     yield HoleMove(bottom, False, cycle.dwell)
     if cycle.kind == "bore":
-        yield HoleMove(above, False)
+        yield HoleMove(above, False, out=True)
         if cycle.retract > cycle.clearance + 1e-9:
             yield HoleMove(point + cycle.retract * axis, True)
     else:

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 import numpy as np
 
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.planners.toolpath.readers.expansion.drilling import HoleCycle
+from irb2400_ctrl.planners.toolpath.readers.gcode.blocks import Block
 from irb2400_ctrl.planners.toolpath.readers.gcode.hole_calls import HoleCall, cycle_of, left_out
 from irb2400_ctrl.planners.toolpath.readers.gcode.hole_patterns import PATTERNS, places
 from irb2400_ctrl.planners.toolpath.readers.gcode.state import GcodeState
@@ -31,7 +34,6 @@ _AND_MORE = {**dict.fromkeys(map(float, CYCLES), ""), 76: "IJ", 74: "J", 84: "J"
 MOST_REPEATS = 10_000
 NOT_CARRIED_OUT = {
     "CYCLE84": "the spindle is not turned the other way for the way out",
-    "CYCLE85": "out of the hole at the feed of the way in; RFF, its own feed, is not carried out",
     "CYCLE86": "straight out of the hole; the spindle is not stopped and turned to POSS, and the "
     "way aside (RPA, RPO, RPAP) is not gone",
 }
@@ -45,6 +47,54 @@ class GcodeCycles:
         self._builder = builder
         self._state = state
         self._modal: HoleCall | None = None
+        self._okuma = False
+        self._level: float | None = None
+        """of G71 (Okuma), over the zero [m]"""
+        self._to_level = False
+        """M53: to that level after each hole"""
+
+    def survey(self, listed: Iterable[Block]) -> None:
+        """Before the first block: in a file with M53 beside cycles, G71 Z is the level that it goes
+        back to (Okuma)."""
+        self._okuma = any(
+            53 in block.codes("M") and CYCLES.keys() & set(block.codes("G")) for block in listed
+        )
+
+    def return_level(self, codes: list[float], values: dict[str, float]) -> bool:
+        """Whether a block states the level of M53, which is kept: it moves nothing then.
+
+        Raises:
+            InputError: stated in G91.
+        """
+        if not (self._okuma and codes == [71] and set(values) == {"Z"}):
+            return False
+        if not self._state.absolute:
+            raise InputError("G71 Z (Okuma) in G91, expected G90: the level is a height")
+        self._level = values["Z"] * self._state.unit
+        return True
+
+    def returns(self, functions: list[int]) -> list[int]:
+        """M53: each hole ends at the level of G71; M54: at R; M52: at the top of the machine. The
+        other functions.
+
+        Raises:
+            InputError: M52, or M53 without a level.
+        """
+        if not self._okuma or not {52, 53, 54} & set(functions):
+            return functions
+        if 52 in functions:
+            raise InputError(
+                "M52 (Okuma) goes to the top of the machine after each hole, which the robot has "
+                "not; expected M53 with a height (G71 Z)"
+            )
+        self._to_level = 53 in functions
+        self._state.retract_to_start = False
+        if self._to_level and self._level is None:
+            raise InputError(
+                "M53 (Okuma) goes back to the level of G71 after each hole, and none is stated "
+                "before it; expected a line G71 Z…"
+            )
+        return [function for function in functions if function not in {53, 54}]
 
     def run(self, motion: float, values: dict[str, float]) -> None:
         """Holes at the places that a block states.
@@ -170,6 +220,8 @@ class GcodeCycles:
         x, y, _ = state.target(across)
         # G98: to where the tool was as the cycle began, also after holes with G99
         up = max(words.get("start", level) - level, 0.0) if state.retract_to_start else 0.0
+        if self._to_level and self._level is not None:
+            up = max(self._level - level, 0.0)
         cycle = HoleCycle(
             CYCLES[int(motion)],
             max(level - words["Z"], 0.0),
@@ -224,6 +276,8 @@ class GcodeCycles:
         plane, cycle = cycle_of(call, state, builder.spindle.rpm)
         if call.name in NOT_CARRIED_OUT:
             builder.assume(f"{call.name}: {NOT_CARRIED_OUT[call.name]}")
+        if call.name == "CYCLE85" and cycle.feed_out is None:
+            builder.assume("CYCLE85 without RFF: out of the hole at the feed of the way in")
         if found := left_out(call):
             builder.assume(f"{call.name}: {found} is not carried out")
         x, y, _ = state.at

@@ -102,6 +102,7 @@ def cycle_of(call: HoleCall, state: GcodeState, spindle_rpm: float) -> tuple[flo
         _dwell(at, call.name, spindle_rpm),
         _feed(at, call, state),
         call.name,
+        feed_out=_feed_out(at, call, state),
     )
 
 
@@ -171,7 +172,7 @@ def _dwell(at: list[float | None], name: str, spindle_rpm: float) -> float:
 
 
 def _feed(at: list[float | None], call: HoleCall, state: GcodeState) -> Feed | None:
-    """CYCLE84: pitch times speed; CYCLE85: FFR; the others have the one in force."""
+    """Of the way in. CYCLE84: pitch times speed; CYCLE85: FFR; the others have the one in force."""
     if call.name == "CYCLE85" and at[6]:
         return Feed("speed", at[6] * state.feed_unit / 60)
     if call.name != "CYCLE84":
@@ -179,3 +180,10 @@ def _feed(at: list[float | None], call: HoleCall, state: GcodeState) -> Feed | N
     if not at[8] or not at[10]:
         raise InputError("CYCLE84 without PIT and SST; expected pitch and speed")
     return Feed("speed", abs(at[8] * at[10]) * state.unit / 60)
+
+
+def _feed_out(at: list[float | None], call: HoleCall, state: GcodeState) -> Feed | None:
+    """RFF of CYCLE85."""
+    if call.name != "CYCLE85" or not at[7]:
+        return None
+    return Feed("speed", at[7] * state.feed_unit / 60)

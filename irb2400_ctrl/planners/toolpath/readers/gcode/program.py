@@ -132,6 +132,7 @@ class _Reader:
         if "Z" not in words and {"X", "Y"} & words:
             self._flat()
         self._machine.survey(listed)
+        self._motion.cycles.survey(listed)
 
     def _flat(self) -> None:
         """No Z in the whole file, as for lasers and plotters."""
@@ -163,6 +164,8 @@ class _Reader:
             builder.assume("lines behind // are comments")
         values = block.checked()
         codes = [round(code, 3) for code in block.codes("G")]
+        if self._motion.cycles.return_level(codes, values):
+            return
         if {5, 5.1} & set(codes) and not moves(values, by_centre=True):
             # Fanuc's G5 P10000, G5.1 Q1; with places they are splines
             builder.ignore("G5, G5.1: look-ahead")
@@ -173,6 +176,8 @@ class _Reader:
         in_cycle = CYCLES.keys() & {*codes, self._state.motion}
         if self._state.siemens and "L" in values and not in_cycle:
             functions += self._machine.library(values.pop("L"))
+        if in_cycle:
+            functions = self._motion.cycles.returns(functions)
         if block.plane is not None:
             swivel(block.plane, self._state, builder)
         self._modes(codes, values)
