@@ -165,7 +165,8 @@ class Package:
 /* {plain(self.block.doc) or name}
 
    Generated C99 without dependencies: no heap, no global variables, no library. Call {name}_init once and
-   {name}_step every {self.block.sample_time:g} s. */
+   {name}_step every {self.block.sample_time:g} s. All memory is yours: a state for each arm, never shared by two calls at a time;
+   calls with a state and an output of their own may run at once. */
 #ifndef {upper}_H
 #define {upper}_H
 
