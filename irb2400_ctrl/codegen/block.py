@@ -61,6 +61,16 @@ class Field:
             )
 
     @property
+    def magnitude(self) -> Field | None:
+        """The row of a package's table that cuts this output at a magnitude, None where its bounds
+        are none. A block that has it as a parameter knows the limit that it is cut at."""
+        if not self.upper or self.lower != tuple(-v for v in self.upper):
+            return None
+        text = f"largest magnitude of {self.name} that is sent"
+        least = (0.0,) * self.size
+        return Field(f"{self.name}_limit", self.size, self.unit, text, self.upper, lower=least)
+
+    @property
     def start(self) -> Array:
         """Default value, shape (size,)."""
         return np.array(self.default, float) if self.default else np.zeros(self.size)

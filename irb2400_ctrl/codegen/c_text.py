@@ -46,7 +46,7 @@ _FUNCTIONS = frozenset({"null", "jac", "hess"})
 
 def is_symmetric(field: Field) -> bool:
     """Whether the bounds of a field are a magnitude: one comparison and one table less."""
-    return bool(field.upper) and field.lower == tuple(-v for v in field.upper)
+    return field.magnitude is not None
 
 
 def spans_zero(field: Field) -> bool:

@@ -37,7 +37,10 @@ def random_points(package: Package, count: int) -> tuple[Array, Array]:
     dtype = np.float32 if package.real == "float" else np.float64
     # rounded first: both sides get the very same numbers; towards zero, so that bounds are kept
     states = np.hstack([states, np.zeros((count, held))]).astype(dtype)
-    return states, _inwards(inputs, dtype)
+    # of a range beside zero one end lies on the way there
+    low = np.concatenate([np.zeros(0), *(f.lower or (-np.inf,) * f.size for f in block.inputs)])
+    high = np.concatenate([np.zeros(0), *(f.upper or (np.inf,) * f.size for f in block.inputs)])
+    return states, np.clip(_inwards(inputs, dtype), low.astype(dtype), high.astype(dtype))
 
 
 def _drawn(rng: np.random.Generator, fields: tuple[Field, ...], count: int) -> Array:

@@ -187,7 +187,8 @@ def depth_first(graph: Graph) -> Graph:
     return Graph(tuple(built.nodes), results)
 
 
-Bounds = tuple[float | None, float | None]
+Bounds = tuple[Node | None, Node | None]
+"""lower and upper: a constant, an input, or `OP_NEG` with an input's (argument, element)"""
 
 
 def without_saturation(graph: Graph, bounds: Mapping[tuple[int, int], Bounds]) -> Graph:
@@ -207,15 +208,23 @@ def without_saturation(graph: Graph, bounds: Mapping[tuple[int, int], Bounds]) -
     return depth_first(_without_dead(list(graph.nodes), results))
 
 
-def _uncut(nodes: tuple[Node, ...], index: int, op: int, bound: float | None) -> int:
+def _uncut(nodes: tuple[Node, ...], index: int, op: int, bound: Node | None) -> int:
     """The operand that fmin or fmax compares with the bound, or the node itself where it is no such
     comparison."""
     node = nodes[index]
     if node.op == op and bound is not None:
         for at, other in (node.args, node.args[::-1]):
-            if nodes[other].op == ca.OP_CONST and nodes[other].value == bound:
+            if _as_bound(nodes, other) == bound:
                 return at
     return index
+
+
+def _as_bound(nodes: tuple[Node, ...], index: int) -> Node:
+    """The node as `Bounds` have it."""
+    node = nodes[index]
+    if node.op == ca.OP_NEG and nodes[node.args[0]].op == ca.OP_INPUT:
+        return Node(ca.OP_NEG, nodes[node.args[0]].args)
+    return node
 
 
 _CARRYING = frozenset(

@@ -3,9 +3,10 @@ them."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, partial
 
+import casadi as ca
 import numpy as np
 
 from irb2400_ctrl.codegen import package_pages
@@ -24,7 +25,7 @@ from irb2400_ctrl.codegen.c_text import (
     struct,
 )
 from irb2400_ctrl.codegen.emit import emit_body
-from irb2400_ctrl.codegen.graph import Bounds, Graph, read_graph, without_saturation
+from irb2400_ctrl.codegen.graph import Bounds, Graph, Node, read_graph, without_saturation
 from irb2400_ctrl.codegen.host_library import Real
 from irb2400_ctrl.codegen.input_guard import (
     barrier,
@@ -99,7 +100,7 @@ class Package:
 
     @cached_property
     def parameter_fields(self) -> tuple[Field, ...]:
-        """The block's parameters, then the bounds of inputs and outputs."""
+        """The block's parameters, then the bounds of inputs and outputs that are none of these."""
         bounds = []
         tested = believed(self.block)
         owners = table_owners(tested)
@@ -116,7 +117,7 @@ class Package:
                     ("limit", "largest magnitude of", field.upper),
                 )
             for end, adjective, values in ends:
-                if values and sharing:
+                if values and sharing and self._own_limit(field) is None:
                     text = f"{adjective} {' and '.join(sharing)} that is {word}"
                     bounds.append(_bound(field, end, text, values))
         return (*self.block.parameters, *bounds)
@@ -125,11 +126,25 @@ class Package:
     def graph(self) -> Graph:
         """The step's operations, without the saturation that the package does from its table."""
         bounds: dict[tuple[int, int], Bounds] = {}
+        given = len(self.block.states) + len(self.block.inputs)
         for k, field in enumerate(self.block.outputs, start=len(self.block.states)):
+            own = self._own_limit(field)
             for i in range(field.size):
-                low = field.lower[i] if field.lower else None
-                bounds[k, i] = low, field.upper[i] if field.upper else None
+                if own is not None:
+                    place = (given + own, i)
+                    bounds[k, i] = Node(ca.OP_NEG, place), Node(ca.OP_INPUT, place)
+                    continue
+                bounds[k, i] = _constant(field.lower, i), _constant(field.upper, i)
         return without_saturation(read_graph(self.block.step), bounds)
+
+    def _own_limit(self, field: Field) -> int | None:
+        """Which of the block's parameters cuts an output at a magnitude; None: none does."""
+        row = field.magnitude if field in self.block.outputs else None
+        for k, own in enumerate(self.block.parameters):
+            # its default may be another one
+            if row and row.size == own.size and row == replace(own, default=row.default):
+                return k
+        return None
 
     def files(self) -> dict[str, str]:
         """File name -> text of the whole package."""
@@ -150,7 +165,8 @@ class Package:
 /* {plain(self.block.doc) or name}
 
    Generated C99 without dependencies: no heap, no global variables, no library. Call {name}_init once and
-   {name}_step every {self.block.sample_time:g} s. */
+   {name}_step every {self.block.sample_time:g} s. All memory is yours: a state for each arm, never shared by two calls at a time;
+   calls with a state and an output of their own may run at once. */
 #ifndef {upper}_H
 #define {upper}_H
 
@@ -289,6 +305,11 @@ uint32_t {name}_step({name}_state_t *state, const {name}_input_t *input,
 def _element(places: list[str], argument: int, i: int) -> str:
     """C expression of element i of an input of the step."""
     return f"{places[argument]}[{i}]"
+
+
+def _constant(values: tuple[float, ...], i: int) -> Node | None:
+    """A bound that is a number of the block."""
+    return Node(ca.OP_CONST, (), values[i]) if values else None
 
 
 def _check_default(block: str, field: Field) -> None:

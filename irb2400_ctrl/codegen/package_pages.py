@@ -80,7 +80,9 @@ static {name}_state_t state;                       /* yours: one per arm */
 
 void start(void)
 {{
-    {name}_init(&state, &{name}_default_parameters);
+    if ({name}_init(&state, &{name}_default_parameters) != 0u) {{
+        /* {upper}_FAULT_PARAMETERS: do not step with this table */
+    }}
 }}
 
 void every_sample(const {name}_input_t *measured, {name}_output_t *command)

@@ -101,7 +101,7 @@ def adaptive(
         known, after = model.torque(v, (v["q"], v["qd"], wanted), v["qd_ref"], v["qd"])
         Y = regressor(v["q"], v["qd"], wanted, v["qd_ref"])
         asked = known + Y @ v["theta"]
-        tau = saturate(robot, asked)
+        tau = saturate(robot, v, asked)
         going = fade(v["qd_ref"], v["breakaway"])
         heard = going * (tau == asked) * (speed_error + v["slope"] * error)
         theta = v["theta"] + sample_time * learned(v, Y, heard)

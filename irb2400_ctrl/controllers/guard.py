@@ -15,7 +15,7 @@ from irb2400_ctrl.controllers.guards.consistency import Consistency
 from irb2400_ctrl.controllers.guards.notes import notes
 from irb2400_ctrl.controllers.guards.sample_check import LAGGING, LEADING, SampleCheck, all_of
 from irb2400_ctrl.controllers.momentum import Momentum
-from irb2400_ctrl.controllers.parts import Values, assemble, gain
+from irb2400_ctrl.controllers.parts import Values, assemble, gain, saturate
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.robot import Robot
 from irb2400_ctrl.typed import typed
@@ -119,7 +119,9 @@ class _Guard:
         braked = ca.fmax(v["braked"], ca.logic_or(lost > self.most_lost, out))
         begun = ca.logic_or(true, v["blend"] > 0)
         after, own = self._controlled(v, ca.logic_and(true, ca.logic_not(braked)))
-        tau = ca.if_else(v["braked"], v["tau_last"], _guarded_torque(v, own, T))
+        asked = ca.if_else(v["braked"], v["tau_last"], _guarded_torque(v, own, T))
+        # what is remembered is what is sent
+        tau = saturate(self.check.robot, v, asked) if "tau_limit" in v else asked
         return {
             **after,
             **observed,

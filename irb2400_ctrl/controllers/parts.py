@@ -152,8 +152,17 @@ def gain(robot: Robot, name: str, unit: str, doc: str, value: ArrayLike) -> Fiel
     return Field(name, robot.n, unit, doc, default, lower=(0.0,) * robot.n)
 
 
-def saturate(robot: Robot, tau: ca.SX) -> ca.SX:
-    """tau cut at the torque limits of the robot, where it states one."""
+def saturate(robot: Robot, v: Values, tau: ca.SX) -> ca.SX:
+    """tau cut at the torque limits of the parameter table; where the robot does not state all of
+    them, which leaves none in the table, at those that it states.
+
+    Args:
+        robot: the arm.
+        v: values by name.
+        tau: [Nm], shape (n,).
+    """
+    if "tau_limit" in v:
+        return ca.SX(ca.fmin(ca.fmax(tau, -v["tau_limit"]), v["tau_limit"]))
     cut = [
         ca.fmin(ca.fmax(tau[i], -high), high) if np.isfinite(high) else tau[i]
         for i, high in enumerate(robot.tau_bound)
@@ -207,7 +216,8 @@ def assemble(
     """The block whose step is `law`: values of states, inputs and parameters by name -> next states
     and outputs.
 
-    What else of `told` the law gives by name, generated code names its locals after.
+    What else of `told` the law gives by name, generated code names its locals after. The limit of
+    an output that is cut at a magnitude is a parameter of the block.
 
     Args:
         name: of the block.
@@ -224,6 +234,9 @@ def assemble(
             f"sample time is {sample_time} s; expected a positive number of seconds, at most "
             f"{LONGEST:g}, for example 0.001"
         )
+    stated = {field.name for field in parameters}
+    limits = (field.magnitude for field in outputs)
+    parameters = (*parameters, *(row for row in limits if row and row.name not in stated))
     taken = (*states, *inputs, *parameters)
     symbols = {field.name: ca.SX.sym(field.name, field.size) for field in taken}
     results = law(dict(symbols))
@@ -242,7 +255,7 @@ def assemble(
         tuple(states),
         tuple(inputs),
         tuple(outputs),
-        tuple(parameters),
+        parameters,
         step,
         quantities=quantities,
     )

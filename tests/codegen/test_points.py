@@ -91,3 +91,15 @@ def test_a_block_that_runs_away_keeps_drawn_states() -> None:
 def test_a_block_without_a_state_needs_no_run() -> None:
     states, inputs = random_points(Package(stateless_block(), "double"), 8)
     assert states.shape[0] == inputs.shape[0] == 8
+
+
+def test_a_range_beside_zero_keeps_its_drawn_inputs_in_single_precision() -> None:
+    x = ca.SX.sym("x", 2)
+    away = Field("x", 2, "rad", "angles", lower=(0.3, -0.150001), upper=(0.300001, -0.15))
+    step = ca.Function("away", [x], [x], ["x"], ["y"])
+    block = Block(
+        "away", "ranges beside zero", 0.001, (), (away,), (Field("y", 2, "", ""),), (), step
+    )
+    _, inputs = random_points(Package(block, "float"), 1024)
+    assert (inputs >= np.array(away.lower, np.float32)).all()
+    assert (inputs <= np.array(away.upper, np.float32)).all()
