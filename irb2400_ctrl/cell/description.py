@@ -91,8 +91,9 @@ class Rail(Table):
         low, high = self.range_mm
         if not any(self.direction):
             raise ValueError("direction: found no direction, expected one such as [0, 1, 0]")
-        if not low < high:
-            raise ValueError(f"range_mm: found {low:g} to {high:g}, expected the lower end first")
+        if not low + 10 <= high:
+            found = f"range_mm: found {low:g} to {high:g}"
+            raise ValueError(f"{found}, expected the lower end first, 10 mm or more (not metres)")
         places = {"position_mm": self.position_mm, **self.operations}
         if "move" in places.values():
             _ = self.moving

@@ -22,6 +22,8 @@ FLOOR = "floor"
 _FLOOR_MM = (40_000.0, 40_000.0, 40_000.0)
 # a thing of solid shapes that is no larger was stated in metres [m]
 _SPECK = 0.005
+# and so was a tool; it may be smaller, as a ball stands for a beam of light [m]
+_SPECK_OF_TOOL = 0.001
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,6 +79,9 @@ def arm_pieces(robot: Robot, tool: CellTool | None = None) -> list[Piece]:
     Args:
         robot: the arm as its file describes it, with its own TCP.
         tool: what the spindle holds instead.
+
+    Raises:
+        InputError: the tool is a speck.
     """
     if robot.outline is None:
         return []
@@ -94,6 +99,7 @@ def arm_pieces(robot: Robot, tool: CellTool | None = None) -> list[Piece]:
             link = 0 if part.on == BASE else number[part.on]
             found.append(Piece(part.on, link, np.eye(4), part.shape, part.on))
     if tool is not None:
+        _no_speck(f"tool {tool.name}", tool.shapes, _SPECK_OF_TOOL)
         X = X_6T @ tool_offset(tool)
         found += [Piece(tool.name, robot.n, X, shape, TOOL, shape.cuts) for shape in tool.shapes]
     return found
@@ -182,10 +188,15 @@ def open_meshes(pieces: Sequence[Piece]) -> str | None:
 def _shapes(cell: Cell, thing: Thing) -> list[Solid | Surface]:
     solids = [s for s in thing.shapes if isinstance(s, Solid)]
     if len(solids) == len(thing.shapes):
-        size = float(np.ptp(np.concatenate([s.corners() for s in solids]), axis=0).max())
-        if size < _SPECK:
-            raise InputError(
-                f"cell {cell.name}, {thing.name}: found a thing of {1e3 * size:.3g} mm, expected "
-                f"{1e3 * _SPECK:g} mm or more; are its numbers metres? State them in mm"
-            )
+        _no_speck(f"cell {cell.name}, {thing.name}", solids, _SPECK)
     return [s if isinstance(s, Solid) else read_mesh(s, cell.folder) for s in thing.shapes]
+
+
+def _no_speck(name: str, solids: Sequence[Solid], least: float) -> None:
+    """Refuses what is smaller than `least` [m] as a whole."""
+    size = float(np.ptp(np.concatenate([s.corners() for s in solids]), axis=0).max())
+    if size < least:
+        raise InputError(
+            f"{name}: found a thing of {1e3 * size:.3g} mm, expected {1e3 * least:g} mm or more; "
+            "are its numbers metres? State them in mm"
+        )

@@ -130,12 +130,23 @@ def place(
             load=load,
             progress=lambda stage: say(f"looking for a place: {stage}"),
         )
-    facts = found.summary()
+    facts = _asked(found, around)
     if plan:
         options = {"free_tool_rotation": free_tool_rotation, "tool": tool}
         facts["planned"] = _both(found, programs, around, options, out)
     _print(facts)
     return _written(facts, placement_page(found, facts.get("planned"), around), arm, out)
+
+
+def _asked(found: Placement, cell: Cell | None) -> dict[str, Any]:
+    """The content of `placement.json`, after asking whether the start is as it is meant to be."""
+    from irb2400_ctrl.cell.radians_typed import radians_typed
+
+    asked = [f"{o} at the start; the two may stand so elsewhere, too" for o in found.overlapping]
+    radians = radians_typed(cell, found.start.X_BW)
+    for question in [*asked, *([] if radians is None else [radians])]:
+        print(f"is this meant? {question}")
+    return found.summary()
 
 
 def _written(facts: dict[str, Any], page: Page, arm: Robot, out: Path) -> Summary:

@@ -47,8 +47,8 @@ def placed(
 
 
 def doubts(arm: Robot, program: CamProgram, options: dict[str, Any]) -> list[str]:
-    """What to ask of the place of a part: a spindle below it, a path beside it, a mesh with gaps, a
-    misspelt operation.
+    """What to ask of the place of a part: a spindle below it, a path beside it, a mesh with gaps,
+    angles in radians, a misspelt operation.
 
     Args:
         arm: whose gravity says what is below.
@@ -56,6 +56,7 @@ def doubts(arm: Robot, program: CamProgram, options: dict[str, Any]) -> list[str
         options: of `plan_path`, with the frame and the cell.
     """
     from irb2400_ctrl.cell.piece import cell_pieces, open_meshes
+    from irb2400_ctrl.cell.radians_typed import radians_typed
     from irb2400_ctrl.planners.clearance.beside_part import beside_part
     from irb2400_ctrl.planners.linking.part_in_base import frame_of
     from irb2400_ctrl.planners.toolpath.from_below import from_below
@@ -68,6 +69,7 @@ def doubts(arm: Robot, program: CamProgram, options: dict[str, Any]) -> list[str
         None if turns else from_below(arm, program, frame),
         beside_part(program, pieces, frame),
         open_meshes(pieces),
+        radians_typed(cell, frame),
         None if cell is None else _misspelt(program, cell),
     ]
     return [question for question in found if question is not None]

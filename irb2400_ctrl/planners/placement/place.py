@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -14,6 +14,7 @@ from irb2400_ctrl.errors import InputError, UnreachableError
 from irb2400_ctrl.planners.placement.area import Area, Standing, middle_of
 from irb2400_ctrl.planners.placement.outlook import Outlook, outlook
 from irb2400_ctrl.planners.placement.proof import Proof, prove
+from irb2400_ctrl.planners.placement.room import Room
 from irb2400_ctrl.planners.placement.search import Look, Search
 from irb2400_ctrl.planners.placement.task import COARSE, FINE, Task, tasks_of, thinned
 from irb2400_ctrl.planners.redundancy.cutting_load import CuttingLoad
@@ -40,6 +41,8 @@ class Placement:
     seen: tuple[tuple[Standing, Outlook], ...]
     """every place that was looked at"""
     load: CuttingLoad | None = None
+    overlapping: tuple[str, ...] = ()
+    """what stands in what at the start, and may do so elsewhere"""
 
     def summary(self) -> dict[str, Any]:
         """The content of `placement.json`."""
@@ -108,23 +111,24 @@ def place(
     operations = [operation for program in programs for operation in program.operations]
     tasks = tasks_of(robot, operations, free_tool_rotation, around, tool)
     centre = middle_of(tasks)
-    turns = np.radians([0.0, 90.0, 180.0, 270.0])
-    where = Area.around(tasks[0].model, turns) if area is None else area
+    where = area or Area.around(tasks[0].model, np.radians([0.0, 90.0, 180.0, 270.0]))
 
     def pose(at: Standing) -> Array:
         return at.pose(first[:3, :3], centre, robot.upright)
 
     search = Search(where)
+    room = Room.of_part(tasks[0].scene)
     coarse = thinned(tasks, operations, COARSE)
-    search.coarse(_promising(tasks, pose), _look(coarse, pose, load, False, told))
     fine = thinned(tasks, operations, FINE)
-    closer = _closer(search, _standing(first, centre), _look(fine, pose, load, True, told))
+    glance = _Look(coarse, pose, load, False, told, room, first)
+    search.coarse(_promising(tasks, pose), glance)
+    closer = _closer(search, _standing(first, centre), replace(glance, tasks=fine, patient=True))
     told("showing the best")
     found, proof = _shown(tasks, closer, load)
     here = outlook(fine, first, load, patient=True)
     return Placement(
         robot, tuple(program.name for program in programs), here, found, proof,
-        prove(tasks, first, load), centre, where, tuple(search.seen), load,
+        prove(tasks, first, load), centre, where, tuple(search.seen), load, room.overlapping,
     )  # fmt: skip
 
 
@@ -166,23 +170,29 @@ def _shown(
     )
 
 
-def _look(
-    tasks: list[Task],
-    pose: Callable[[Standing], Array],
-    load: CuttingLoad | None,
-    patient: bool,
-    told: Progress,
-) -> Look:
-    count = 0
+@dataclass(eq=False)
+class _Look:
+    """What a place of the work object is worth."""
 
-    def look(at: Standing) -> Outlook:
-        nonlocal count
-        count += 1
-        if count % 20 == 0:
-            told(f"{count} places")
-        return outlook(tasks, pose(at), load, patient)
+    tasks: list[Task]
+    pose: Callable[[Standing], Array]
+    load: CuttingLoad | None
+    patient: bool
+    told: Progress
+    room: Room
+    first: Array
+    """pose of the work object that the room is stated at, shape (4, 4)"""
+    count: int = 0
 
-    return look
+    def __call__(self, at: Standing) -> Outlook:
+        self.count += 1
+        if self.count % 20 == 0:
+            self.told(f"{self.count} places")
+        X = self.pose(at)
+        taken = self.room.taken(X @ np.linalg.inv(self.first))
+        if taken:
+            return Outlook(X, {}, refused=taken)
+        return outlook(self.tasks, X, self.load, self.patient)
 
 
 def _promising(tasks: list[Task], pose: Callable[[Standing], Array]) -> Callable[[Standing], bool]:

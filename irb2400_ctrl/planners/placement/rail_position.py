@@ -13,6 +13,7 @@ from irb2400_ctrl.cell import Cell
 from irb2400_ctrl.errors import InputError, UnreachableError
 from irb2400_ctrl.planners.placement.outlook import Outlook, outlook
 from irb2400_ctrl.planners.placement.proof import Proof, prove
+from irb2400_ctrl.planners.placement.room import Room
 from irb2400_ctrl.planners.placement.task import FINE, Task, tasks_of, thinned
 from irb2400_ctrl.planners.redundancy.cutting_load import CuttingLoad
 from irb2400_ctrl.planners.toolpath.cam_program import CamProgram
@@ -80,10 +81,14 @@ def rail_position(
     operations = [operation for program in programs for operation in program.operations]
     whole = tasks_of(robot, operations, free_tool_rotation, cell, tool)
     few = thinned(whole, operations, FINE)
+    room = Room.of_cell(next((task.scene for task in whole), None))
     seen: dict[float, Outlook] = {}
 
     def look(position: float) -> Outlook:
         shift = rail.moved(position - rail.stands_mm)
+        taken = room.taken(shift)
+        if taken:
+            return Outlook(shift @ X_BW, {}, refused=taken)
         return outlook(_shifted(few, shift), shift @ X_BW, load, patient=True)
 
     low, high = rail.range_mm
