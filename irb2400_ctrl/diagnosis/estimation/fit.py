@@ -327,6 +327,11 @@ class Fitter:
         shares = discrepancy_shares(effect.kind, placed.shape[2])
         everywhere = tuple(range(self.motion.n))
         law = RegressorColumns(everywhere, self.placed(effect))
+        if effect.prior.lasting is not None:
+            # what no file keeps is what the law cannot give: the law alone would be another one
+            lost = slice(effect.prior.lasting, placed.shape[2] - effect.beginnings())
+            placed = placed.copy()
+            placed[:, :, lost] = beside(placed[:, :, lost], law.values)
         departures = RegressorColumns(everywhere, placed)
         # wider than in the competition, so that they do not come out too small
         sizes = discrepancy_unit(law, np.array(effect.coefficients()), departures, shares)
@@ -336,3 +341,10 @@ class Fitter:
         b = candidate.score.coefficients
         values = candidate.law.values * (3.0 * np.sqrt(np.mean(b**2)))
         return self._on_all_joints(candidate.law.joints, values)
+
+
+def beside(columns: Array, law: Array) -> Array:
+    """What of columns (rows, n, k) no coefficients of a law (rows, n, l) give, by least squares."""
+    X = law.reshape(-1, law.shape[2])
+    values = columns.reshape(len(X), -1)
+    return np.asarray(values - X @ np.linalg.lstsq(X, values, rcond=None)[0]).reshape(columns.shape)
