@@ -43,25 +43,22 @@ class NoiseTest:
             the angles, their departure from the motion that was used [Nm].
         left: rms of what is left [Nm]; means: of its means, over what white noise would give beside
             digits and open numbers, whose errors last.
-        bar, means_bar: above which it is no noise.
     """
 
     floor: Array
     left: Array
     means: Array
-    bar: float = MOST
-    means_bar: float = MOST_MEANS
 
     @property
     def beyond(self) -> tuple[int, ...]:
         """Joints (from 1) on which more than noise is left."""
-        much = (self.left > self.bar * self.floor) | (self.means > self.means_bar)
+        much = (self.left > MOST * self.floor) | (self.means > MOST_MEANS)
         return tuple(int(j) + 1 for j in np.flatnonzero(much))
 
     @property
     def by_means_alone(self) -> tuple[int, ...]:
         """Those of which the means alone say so, as they do of noise with more colour."""
-        return tuple(j for j in self.beyond if self.left[j - 1] <= self.bar * self.floor[j - 1])
+        return tuple(j for j in self.beyond if self.left[j - 1] <= MOST * self.floor[j - 1])
 
 
 def noise_test(
