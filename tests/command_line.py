@@ -7,6 +7,7 @@ from __future__ import annotations
 import contextlib
 import io
 import re
+import shlex
 import subprocess
 import sys
 from pathlib import Path
@@ -31,6 +32,11 @@ def irb2400(*words: object, cwd: Path | None = None) -> subprocess.CompletedProc
             code = end.code
     number = code if isinstance(code, int) else int(code is not None)
     return subprocess.CompletedProcess(command, number, out.getvalue(), err.getvalue())
+
+
+def answered(line: str, cwd: Path) -> subprocess.CompletedProcess[str]:
+    """What a line of a page answers, its first word apart."""
+    return irb2400(*shlex.split(line)[1:], cwd=cwd)
 
 
 def script(code: str, cwd: Path) -> str:

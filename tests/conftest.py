@@ -37,3 +37,14 @@ def written_files_are_what_their_schemas_say(
         if (found := problem(path))
     ]
     assert not wrong, "\n".join(wrong)
+
+
+@pytest.fixture
+def library_as_before() -> Iterator[None]:
+    """No other test meets the effects that this one defines."""
+    from irb2400_ctrl.effects import LIBRARY
+
+    before = dict(LIBRARY)
+    yield
+    LIBRARY.clear()
+    LIBRARY.update(before)

@@ -4,7 +4,10 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from irb2400_ctrl.planners import CamProgram, read_program
+import numpy as np
+
+from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.planners import CamProgram, Operation, read_program
 
 
 def program(folder: Path, text: str, rotary: str | None = None) -> CamProgram:
@@ -16,3 +19,13 @@ def program(folder: Path, text: str, rotary: str | None = None) -> CamProgram:
     file = folder / "part.nc"
     file.write_text(text)
     return read_program(file, rotary=rotary)
+
+
+def operation(folder: Path, text: str) -> Operation:
+    """The only one of this text."""
+    return program(folder, text).operation()
+
+
+def positions(folder: Path, text: str) -> Array:
+    """Way-points of the only operation, shape (n, 3) [mm]."""
+    return np.asarray(1e3 * operation(folder, text).path.position)

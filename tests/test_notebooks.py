@@ -5,13 +5,10 @@ from __future__ import annotations
 import ast
 import json
 import re
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import pytest
-
-from irb2400_ctrl.effects import LIBRARY
 
 FOLDER = Path(__file__).parents[1] / "docs" / "notebooks"
 NOTEBOOKS = sorted(FOLDER.glob("*.ipynb"))
@@ -45,13 +42,7 @@ def shown(text: str, names: dict[str, Any]) -> str:
 LONG = ("02_a_part", "04_a_log")
 
 
-@pytest.fixture(autouse=True)
-def library() -> Iterator[None]:
-    """An effect that a cell defines is gone afterwards."""
-    before = dict(LIBRARY)
-    yield
-    LIBRARY.clear()
-    LIBRARY.update(before)
+pytestmark = pytest.mark.usefixtures("library_as_before")
 
 
 def test_there_are_six() -> None:

@@ -11,7 +11,6 @@ import os
 import pickle
 import subprocess
 import sys
-from collections.abc import Iterator
 from functools import partial
 from pathlib import Path
 
@@ -44,13 +43,7 @@ def page() -> str:
     return fenced((ROOT / "docs" / "own_effects.md").read_text(), "python")[0]
 
 
-@pytest.fixture(autouse=True)
-def _library_as_before() -> Iterator[None]:
-    """No other test meets the effects of this one."""
-    before = dict(LIBRARY)
-    yield
-    LIBRARY.clear()
-    LIBRARY.update(before)
+pytestmark = pytest.mark.usefixtures("library_as_before")
 
 
 @pytest.fixture(scope="module")

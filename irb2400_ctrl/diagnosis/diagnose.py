@@ -9,7 +9,7 @@ from functools import lru_cache
 import numpy as np
 
 from irb2400_ctrl.arrays import Array, Mask, one_thread, rms
-from irb2400_ctrl.diagnosis.at_rest import WORSE_AT_REST
+from irb2400_ctrl.diagnosis.at_rest import WORSE_AT_REST, worse_at_rest
 from irb2400_ctrl.diagnosis.bent_numbers import BENT, beside_noise
 from irb2400_ctrl.diagnosis.comparison.criteria import Criteria
 from irb2400_ctrl.diagnosis.comparison.scan import Scan
@@ -37,12 +37,12 @@ from irb2400_ctrl.diagnosis.preparation.noise_test import noise_test
 from irb2400_ctrl.diagnosis.preparation.plain_numbers import PlainNumbers
 from irb2400_ctrl.diagnosis.preparation.resting import Resting
 from irb2400_ctrl.diagnosis.preparation.sticking_contacts import sticking_contacts
-from irb2400_ctrl.diagnosis.quick_rests import quick_rests
 from irb2400_ctrl.diagnosis.recalibrated import recalibrated_terms
 from irb2400_ctrl.diagnosis.regressors.bases import Bases
 from irb2400_ctrl.diagnosis.regressors.predict import predicted_torque
 from irb2400_ctrl.diagnosis.sound_logs import SoundLogs, check_beside, sound_logs
 from irb2400_ctrl.diagnosis.unstated_friction import with_friction_first
+from irb2400_ctrl.effects import Effect
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.measurement.joined_log import prepare_together
 from irb2400_ctrl.measurement.log import Log
@@ -151,27 +151,8 @@ def _searched(
     selection = Selection(scan, fitter, criteria, change=change)
     steps, fit = selection.run()
     progress("conclude")
-    bent = of_the_whole_arm(steps, motion.n)
-    fit = beside_noise(fitter, steps, fit) if bent else fit
     other = None if validation is None else prepare(validation)
-    found = _concluded(given, prior, fitter, load, steps, fit, other, change)
-    told = found.identification
-    each = log_errors(motion, told.before, told.after, logs, (found.given, found.robot))
-    noise = noise_test(robot, logs.used, motion, told.after, _unsure(fit, motion))
-    found = replace(found, noise=noise)
-    quick = quick_rests(motion, told.measured - told.after, found.least_floor)
-    weak = (*logs.remarkable, *found.weak, *resting.remarks, *selection.remarks, *quick.sentences)
-    found = replace(
-        found,
-        numbers=(*found.numbers, *moved_as_by_a_load(scan, fitter, fit, change)),
-        logs=each,
-        left_out=logs.left_out,
-        quick=quick,
-        nameless=selection.nameless,
-    )
-    found = suspected(found, bent, selection.unsettled)
-    weak = (*weak, *([BENT] if bent else []), *seldom_met(found, selection.seldom))
-    return replace(found, weak=weak)
+    return _concluded(given, logs, prior, resting, selection, steps, fit, other)
 
 
 def _has_room(motion: PreparedLog) -> None:
@@ -243,70 +224,82 @@ def _bases(robot: Robot) -> Bases:
 
 def _concluded(
     given: Robot,
+    logs: SoundLogs,
     prior: AnyPrior,
-    fitter: Fitter,
-    load: Array,
+    resting: Resting,
+    selection: Selection,
     steps: Sequence[Step],
     fit: Fit,
     validation: PreparedLog | None,
-    change: bool,
 ) -> Diagnosis:
+    fitter = selection.fitter
     motion = fitter.motion
-    recalibrated = _updated(prior, fitter.fit([]))
-    fit = with_possible_bodies(prior, with_friction_first(prior, fit))
+    change = selection.change
+    bent = of_the_whole_arm(steps, motion.n)
+    searched = beside_noise(fitter, steps, fit) if bent else fit
+    fit = _possible(prior, searched)
     moved = prior.updated(prior.deviations(fit.z))
     effects = (*moved.effects, *fit.effects)
     augmented = Robot.model_validate({**dict(moved), "effects": effects})
     # what began in the middle of one record is there all through the next
     later = augmented.lasting()
-    compared = [_compared(motion, given, recalibrated, augmented)]
-    if validation is not None:
-        compared.append(_compared(validation, given, recalibrated, later))
+    recalibrated = prior.updated(prior.deviations(_possible(prior, fitter.fit([])).z))
+    compared = _compared(motion, given, recalibrated, augmented)
     idle = tuple(int(j) + 1 for j in np.flatnonzero(rms(motion.qd) < LEAST_SPEED))
-    slow = [f"too slow in this log for much to be said: {numbered('joint', idle)}"] if idle else []
-    weak = [*motion.from_measured, *slow, *motion.remarks]
-    weak += [said for effect in fit.effects if (said := effect.mistaken_for)]
-    weak += [said] if (said := friction_level(prior, fit)) else []
-    counts = np.ones(motion.n, dtype=bool)
-    if change:
-        reference = given.model_copy(update={"effects": effects})
-        counts = _better_with_numbers(motion, reference, compared[0])
-    told = numbers(prior, fit, later, change=change, friction_counts=counts)
-    if any(one.name in BODY for one in told) and turns_impossible(given, moved):
-        weak.append(IMPOSSIBLE)
+    counts = _better_with_numbers(motion, given, effects, compared) if change else motion.n * [True]
+    told = numbers(prior, fit, later, change=change, friction_counts=np.array(counts))
+    impossible = any(one.name in BODY for one in told) and turns_impossible(given, moved)
+    told = (*told, *moved_as_by_a_load(selection.scan, fitter, searched, change))
+    if bent or selection.unsettled:
+        told = tuple(one for one in told if one.list == "lacks")
+    noise = noise_test(fitter.robot, logs.used, motion, compared.after, _unsure(searched, motion))
+    names = findings_of(prior, steps, fit, fitter, selection.scan.load, change)
+    wrong = worse_at_rest(given, idle, compared.error_before.rmse, compared.error_after.rmse)
+    weak = (
+        *(*logs.remarkable, *motion.from_measured),
+        f"too slow in this log for much to be said: {numbered('joint', idle)}" if idle else "",
+        *(*motion.remarks, *(effect.mistaken_for for effect in fit.effects)),
+        *(friction_level(prior, fit), IMPOSSIBLE if impossible else ""),
+        WORSE_AT_REST.format(joints=numbered("joint", wrong)) if wrong else "",
+        *(*resting.remarks, *selection.remarks, *noise.quick.sentences, BENT if bent else ""),
+    )
+    other = None if validation is None else _compared(validation, given, recalibrated, later)
     found = Diagnosis(
         given=given,
         robot=later,
-        findings=findings_of(prior, steps, fit, fitter, load, change),
-        unexplained=unexplained_of(steps, fit, motion, load),
+        findings=suspected(names) if selection.unsettled else names,
+        unexplained=unexplained_of(steps, fit, motion, selection.scan.load),
         recalibrated=recalibrated_terms(prior, fit, later),
-        identification=compared[0],
-        validation=None if validation is None else compared[1],
+        identification=compared,
+        validation=other,
         not_excited=idle,
-        weak=tuple(weak),
+        weak=tuple(said for said in weak if said),
         numbers=told,
         change=change,
+        logs=log_errors(motion, compared.before, compared.after, logs, (given, later)),
+        left_out=logs.left_out,
+        noise=noise,
+        nameless=selection.nameless,
     )
-    if not found.worse_at_rest:
-        return found
-    joints = numbered("joint", found.worse_at_rest)
-    return replace(found, weak=(*weak, WORSE_AT_REST.format(joints=joints)))
+    return replace(found, weak=(*found.weak, *seldom_met(found, selection.seldom)))
 
 
-def _updated(prior: AnyPrior, fit: Fit) -> Robot:
-    """The robot with the numbers of a fit, which stay within what a body can have."""
-    fit = with_possible_bodies(prior, with_friction_first(prior, fit))
-    return prior.updated(prior.deviations(fit.z))
+def _possible(prior: AnyPrior, fit: Fit) -> Fit:
+    """A fit whose numbers stay within what friction and bodies can be."""
+    return with_possible_bodies(prior, with_friction_first(prior, fit))
 
 
-def _better_with_numbers(motion: PreparedLog, reference: Robot, found: Comparison) -> Mask:
+def _better_with_numbers(
+    motion: PreparedLog, reference: Robot, effects: tuple[Effect, ...], found: Comparison
+) -> Mask:
     """Joints that new numbers explain better than the reference's, sample by sample, the same
     effects beside both, shape (n,).
 
     Dry friction, viscous friction and inertia trade with each other in what a filter leaves of the
     turns.
     """
-    tau = predicted_torque(reference, motion, _bases(reference.bare()))
+    same = reference.model_copy(update={"effects": effects})
+    tau = predicted_torque(same, motion, _bases(same.bare()))
     kept = errors(motion.tau, tau, motion.known).rmse
     return np.asarray(found.error_after.rmse < (1.0 - WORTH) * kept)
 

@@ -17,7 +17,6 @@ from irb2400_ctrl.diagnosis.log_errors import LogErrors
 from irb2400_ctrl.diagnosis.numbers import Number
 from irb2400_ctrl.diagnosis.preparation.metrics import Errors
 from irb2400_ctrl.diagnosis.preparation.noise_test import NoiseTest, trimmed_rms
-from irb2400_ctrl.diagnosis.quick_rests import QuickRests
 from irb2400_ctrl.diagnosis.sound_logs import LeftOut
 from irb2400_ctrl.files import plain, write_json
 from irb2400_ctrl.notebook import Displayed
@@ -87,7 +86,6 @@ class Diagnosis(Displayed):
         usual_error: RMSE of its model on stretches it had not seen [Nm], (n,).
         noise: what is left, held against what neighbouring samples disagree about; None where no
             effect was tried.
-        quick: of it what is quicker than laws are compared on.
         nameless: joint (from 1) with so much that no name says that lesser names were taken back.
     """
 
@@ -108,7 +106,6 @@ class Diagnosis(Displayed):
     before: Diagnosis | None = None
     usual_error: Array | None = None
     noise: NoiseTest | None = None
-    quick: QuickRests = field(default_factory=QuickRests)
     nameless: int | None = None
 
     @property
@@ -149,7 +146,7 @@ class Diagnosis(Displayed):
             j for j in self.noise.by_means_alone if left[j - 1] < SLOW * self.noise_floor[j - 1]
         ]
         beyond = [j for j in self.noise.beyond if j not in coloured]
-        return self._that_count([*beyond, *self.quick.joints])
+        return self._that_count([*beyond, *self.noise.quick.joints])
 
     @property
     def left_over(self) -> tuple[int, ...]:
@@ -158,7 +155,8 @@ class Diagnosis(Displayed):
         size = rms(compared.measured)
         much = self.mostly_left > np.maximum(NEAR_FLOOR * self.least_floor, LITTLE * size)
         slow = [int(j) + 1 for j in np.flatnonzero(much)]
-        return self._that_count([*slow, *self.quick.joints])
+        quick = () if self.noise is None else self.noise.quick.joints
+        return self._that_count([*slow, *quick])
 
     def _that_count(self, joints: Sequence[int]) -> tuple[int, ...]:
         """Those (from 1) that move, and on which more is left than usual."""

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 from irb2400_ctrl.diagnosis.diagnosis import Diagnosis
+from irb2400_ctrl.diagnosis.finding import Finding
 
 ONCE = (
     "joint {joint}: what is left goes with {law}, but seconds that were not fitted are predicted "
@@ -17,24 +18,12 @@ SUSPECTED = 0.5
 chatters and a load that leaks, two were right"""
 
 
-def suspected(found: Diagnosis, bent: bool, unsettled: bool) -> Diagnosis:
-    """Without numbers of the robot, and with no name that is sure, but of what every robot has.
-
-    Args:
-        found: what the log says; bent: whether what has no name is of the whole arm, so that the
-            numbers are.
-        unsettled: whether the search for names did not settle.
-    """
-    if bent or unsettled:
-        lacks = tuple(one for one in found.numbers if one.list == "lacks")
-        found = replace(found, numbers=lacks)
-    if not unsettled:
-        return found
-    findings = tuple(
+def suspected(found: tuple[Finding, ...]) -> tuple[Finding, ...]:
+    """With no name that is sure, but of what every robot has."""
+    return tuple(
         one if one.list == "lacks" else replace(one, confidence=min(one.confidence, SUSPECTED))
-        for one in found.findings
+        for one in found
     )
-    return replace(found, findings=findings)
 
 
 def seldom_met(found: Diagnosis, laws: Mapping[int, str]) -> list[str]:

@@ -34,8 +34,6 @@ ROUGHLY = 0.7
 """standard deviation of the numbers of springs and play about the true ones, over the share of its
 torque that their law may leave, which the noise does not show (`benchmarks/size_errors.py` counts
 how often the errors hold the true numbers)"""
-FRICTIONS = ("friction", "viscosity")
-"""first words of laws without a name that turn over with the direction"""
 ALIKE = 0.8
 """share of a stated effect's torque along that of another from which it passes for that"""
 
@@ -184,7 +182,7 @@ def unexplained_of(
         candidate: Candidate = first.candidate
         # on the rows that count for the errors: where friction turns over a law says anything
         counts = motion.at_rows(motion.known[:, joint - 1].astype(float))
-        turned = candidate.name.startswith(FRICTIONS)
+        turned = candidate.against_motion
         signal = next(s for s in candidate.depends_on if not (turned and s == "qd"))
         signal = signal if signal in UNITS else "time"
         found.append(

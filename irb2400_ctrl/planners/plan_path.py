@@ -5,15 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
 
-import numpy as np
 from numpy.typing import ArrayLike
 
 from irb2400_ctrl.arrays import Array, one_thread
 from irb2400_ctrl.cell import Cell, Scene, with_tool
-from irb2400_ctrl.cell.external_axes import ExternalAxes
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.planners.certify import certify
-from irb2400_ctrl.planners.enclosure.path_dynamics import Way, path_dynamics
+from irb2400_ctrl.planners.enclosure.path_dynamics import path_dynamics
 from irb2400_ctrl.planners.margins_as_read import margins_as_read
 from irb2400_ctrl.planners.plan import Plan
 from irb2400_ctrl.planners.plan_options import PlanOptions
@@ -22,20 +20,16 @@ from irb2400_ctrl.planners.price_remedies import price_remedies
 from irb2400_ctrl.planners.redundancy.choice import Choice
 from irb2400_ctrl.planners.redundancy.choices import choices
 from irb2400_ctrl.planners.redundancy.cutting_load import CuttingLoad
-from irb2400_ctrl.planners.redundancy.rotation_map import rotation_map as mapped
+from irb2400_ctrl.planners.redundancy.rotation_map import rotation_map as rotations_seen
 from irb2400_ctrl.planners.redundancy.way_out import WayOut
 from irb2400_ctrl.planners.stage_clock import Progress, StageClock
 from irb2400_ctrl.planners.timing.motion_limits import MotionLimits
 from irb2400_ctrl.planners.timing.path_timer import PathTimer
-from irb2400_ctrl.planners.timing.sampled_reference.interpolation import DEFAULT
-from irb2400_ctrl.planners.timing.sampled_reference.interpolation import interpolation as checked
 from irb2400_ctrl.planners.timing.time_choices import best_first, limit_rates, time_choices
 from irb2400_ctrl.planners.timing.timing_options import Backend, TimingOptions
 from irb2400_ctrl.planners.toolpath.orientation import Orientation
-from irb2400_ctrl.planners.toolpath.task_curve import TOLERANCE
 from irb2400_ctrl.planners.toolpath.toolpath import ToolPath
 from irb2400_ctrl.robot import Robot
-from irb2400_ctrl.trajectory.trajectory import RATE
 from irb2400_ctrl.typed import typed
 
 Ways = Callable[[Model, Orientation, Scene | None], Iterable[Choice]]
@@ -48,23 +42,23 @@ def plan_path(
     robot: Robot,
     path: ToolPath,
     *,
-    rate: float = RATE,
-    free_tool_rotation: bool = True,
+    rate: float = PlanOptions.rate,
+    free_tool_rotation: bool = PlanOptions.free_tool_rotation,
     work_frame: Array | None = None,
-    tolerance: float = TOLERANCE,
-    axis_tolerance: float = np.radians(0.1),
-    timing: Backend = "certified",
-    cells: int = 1000,
+    tolerance: float = PlanOptions.tolerance,
+    axis_tolerance: float = PlanOptions.axis_tolerance,
+    timing: Backend = PlanOptions.timing,
+    cells: int = PlanOptions.cells,
     limits: MotionLimits | None = None,
     torque_rate: ArrayLike | None = None,
     jerk: ArrayLike | None = None,
     way_out: WayOut | None = None,
     cell: Cell | None = None,
     tool: str | None = None,
-    torque_share: float = 1.0,
-    interpolation: str = DEFAULT,
+    torque_share: float = PlanOptions.torque_share,
+    interpolation: str = PlanOptions.interpolation,
     load: CuttingLoad | None = None,
-    rotation_map: bool = False,
+    rotation_map: bool = PlanOptions.rotation_map,
     progress: Progress | None = None,
 ) -> Plan:
     """The fastest motion along a tool path, rest to rest, clear of singularities.
@@ -96,25 +90,32 @@ def plan_path(
         UnreachableError: no continuous motion, or (CollisionError) none that touches nothing.
         InfeasibleError: the torque limits leave no motion; says where.
     """
-    turning = (free_tool_rotation, work_frame, tolerance, axis_tolerance)
-    options = PlanOptions(rate, *turning, checked(interpolation), cell, tool, load, rotation_map)
-    bounds = (limits, torque_rate, jerk)
-    sampled = (options.sampling, torque_share, options.external)
-    timed = TimingOptions.of(robot, timing, cells, *bounds, *sampled)
-    ways = _chosen(free_tool_rotation, way_out, load)
-    return plan_ways(robot, path, ways, options, timed, StageClock(progress))
+    shape = (rate, free_tool_rotation, work_frame, tolerance, axis_tolerance)
+    time = (timing, cells, limits, torque_rate, jerk)
+    written = (torque_share, interpolation, load, rotation_map, progress)
+    return plan_asked(robot, path, PlanOptions(*shape, *time, cell, tool, *written), way_out)
 
 
-def _carried(external: ExternalAxes | None) -> tuple[int, Way | None]:
-    """How many further axes there are, and which way the first one carries the arm."""
-    return (0, None) if external is None else (len(external), external.carriage)
+@one_thread()
+def plan_asked(
+    robot: Robot, path: ToolPath, options: PlanOptions, way_out: WayOut | None = None
+) -> Plan:
+    """`plan_path` of a request: the best of the most promising joint paths of every kind.
 
+    Args:
+        robot, path, way_out: as there.
+        options: all that is asked for.
 
-def _chosen(free: bool, way_out: WayOut | None, load: CuttingLoad | None) -> Ways:
-    """The most promising joint paths of every kind."""
-    return lambda model, orientation, scene: choices(
-        model, orientation, free, scene=scene, way_out=way_out, load=load
-    )
+    Raises:
+        InputError, UnreachableError, InfeasibleError: as `plan_path`.
+    """
+    options.check_axes()
+
+    def ways(model: Model, orientation: Orientation, scene: Scene | None) -> Iterable[Choice]:
+        free = options.free_tool_rotation
+        return choices(model, orientation, free, scene=scene, way_out=way_out, load=options.load)
+
+    return plan_ways(robot, path, ways, options, options.timed(robot))
 
 
 def plan_ways(
@@ -123,18 +124,19 @@ def plan_ways(
     ways: Ways,
     options: PlanOptions,
     timing: TimingOptions,
-    clock: StageClock,
 ) -> Plan:
     """Shape the curve, time the ways to follow it, certify the best, report it.
 
     Raises:
         UnreachableError, InfeasibleError: as `plan_path`.
     """
+    clock = StageClock(options.progress)
     with clock.stage("model"):
-        tool = options.tool
+        tool = options.in_spindle
         external = options.external
         arm = robot if tool is None else with_tool(robot, tool)
-        dynamics = path_dynamics(arm, *_carried(external))
+        beside = () if external is None else (len(external), external.carriage)
+        dynamics = path_dynamics(arm, *beside)
         model = dynamics.model
         scene = Scene.of(model, robot, options.cell, tool)
     with clock.stage("curve"):
@@ -159,7 +161,9 @@ def plan_ways(
     with clock.stage("margins"):
         margins = margins_as_read(model, orientation, scene, best, settled)
         way_of = best.path.tcp.way
-        seen = mapped(model, orientation, scene, best.choice, way_of) if options.mapped else None
+        seen = None
+        if options.rotation_map:
+            seen = rotations_seen(model, orientation, scene, best.choice, way_of)
     with clock.stage("trajectory"):
         rows = settled.reference
         planned = report(

@@ -10,21 +10,19 @@ from typing import Any
 
 import numpy as np
 
-from irb2400_ctrl.arrays import Array, one_thread
+from irb2400_ctrl.arrays import one_thread
 from irb2400_ctrl.errors import InputError, UnreachableError
 from irb2400_ctrl.files import write_json
 from irb2400_ctrl.planners.linking.clearance_plane import ClearancePlane
 from irb2400_ctrl.planners.linking.link_operations import link_operations
 from irb2400_ctrl.planners.linking.link_options import LinkOptions
 from irb2400_ctrl.planners.linking.operation_runs import operation_runs, unwound_runs
-from irb2400_ctrl.planners.linking.part_in_base import frame_of, path_in_base, placed_path
 from irb2400_ctrl.planners.linking.program_motion import ProgramMotion
 from irb2400_ctrl.planners.linking.run import Run
 from irb2400_ctrl.planners.plan import Plan
+from irb2400_ctrl.planners.plan_options import PlanOptions
 from irb2400_ctrl.planners.toolpath.cam_program import CamProgram, Operation
-from irb2400_ctrl.planners.toolpath.positioner import upright
 from irb2400_ctrl.robot import Robot
-from irb2400_ctrl.trajectory.trajectory import RATE
 from irb2400_ctrl.typed import typed
 
 ArmOf = Callable[[Operation], Robot]
@@ -36,8 +34,8 @@ class PlannedOperation:
     """An operation and its plans, or why there are none."""
 
     operation: Operation
-    options: dict[str, Any]
-    """of `plan_path`, those that are asked for it alone"""
+    options: PlanOptions
+    """those that are asked for it alone"""
     runs: tuple[Run, ...] = ()
     """parts that are followed without a stop, one unless axes have to be unwound"""
     refused: str = ""
@@ -46,11 +44,6 @@ class PlannedOperation:
     def plan(self) -> Plan | None:
         """The plan of an operation that is followed in one go."""
         return self.runs[0].plan if len(self.runs) == 1 else None
-
-    @property
-    def frame(self) -> Array | None:
-        """The work frame that its path is stated in, shape (4, 4)."""
-        return frame_of(self.options)
 
     @property
     def planned(self) -> bool:
@@ -143,7 +136,6 @@ class ProgramPlan:
 
 
 @typed
-@one_thread()
 def plan_program(
     robot: Robot,
     program: CamProgram,
@@ -167,7 +159,20 @@ def plan_program(
         InputError: an option is wrong for all of them.
     """
     links = LinkOptions() if links is None else links
-    asked = [for_operation(robot, operation, options) for operation in program.operations]
+    return plan_operations(robot, program, PlanOptions(**options), links, arm_of, started)
+
+
+@one_thread()
+def plan_operations(
+    robot: Robot,
+    program: CamProgram,
+    options: PlanOptions,
+    links: LinkOptions,
+    arm_of: ArmOf | None = None,
+    started: Callable[[Operation], None] | None = None,
+) -> ProgramPlan:
+    """`plan_program` of a request in one piece: `options`; the other arguments as there."""
+    asked = [options.for_operation(operation, robot) for operation in program.operations]
     plane = clearance_plane(robot, program, links, asked)
     done = []
     for operation, found in zip(program.operations, asked, strict=True):
@@ -184,8 +189,7 @@ def plan_program(
     if all(o.planned for o in done):
         runs = tuple(run for o in done for run in o.runs)
         try:
-            rate = float(options.get("rate", RATE))
-            motion = link_operations(program.name, runs, plane, links, rate)
+            motion = link_operations(program.name, runs, plane, links)
         except InputError as error:
             refused = str(error)
     return ProgramPlan(program, tuple(done), motion, refused)
@@ -195,68 +199,34 @@ def plan_program(
 def plan_unwound(
     robot: Robot,
     program: CamProgram,
+    options: PlanOptions,
     links: LinkOptions,
     because: UnreachableError,
-    **options: Any,
 ) -> ProgramPlan:
     """The only operation of a program in parts, between which axes are unwound.
 
     Args:
         because: why `plan_path` does not follow it in one go.
-        robot, program, links, options: as in `plan_program`.
+        robot, program, options, links: as in `plan_operations`.
 
     Raises:
         UnreachableError: `because`, where unwinding does not help; or there is no way between the
             parts above the clearance plane.
     """
     operation = program.operation()
-    found = for_operation(robot, operation, options)
+    found = options.for_operation(operation, robot)
     plane = clearance_plane(robot, program, links, [found])
     runs = unwound_runs(robot, operation, plane, links, found, because)
-    rate = float(options.get("rate", RATE))
-    motion = link_operations(program.name, runs, plane, links, rate)
+    motion = link_operations(program.name, runs, plane, links)
     return ProgramPlan(program, (PlannedOperation(operation, found, runs),), motion)
 
 
 def clearance_plane(
-    robot: Robot, program: CamProgram, links: LinkOptions, asked: Sequence[dict[str, Any]]
+    robot: Robot, program: CamProgram, links: LinkOptions, asked: Sequence[PlanOptions]
 ) -> ClearancePlane:
     """The plane above everything that the operations cut, each as its options place it."""
     paths = [
-        (path_in_base(robot, placed_path(o, options), options), o.rapid)
+        (options.seen(o.path, robot), o.rapid)
         for o, options in zip(program.operations, asked, strict=True)
     ]
     return ClearancePlane.over(paths, robot.spindle_axis, links.clearance, robot.upright[2])
-
-
-def for_operation(robot: Robot, operation: Operation, options: dict[str, Any]) -> dict[str, Any]:
-    """Options of `plan_path` with the cell's tool that the operation asks for, unless one is named,
-    with the carriage where the operation wants it and the positioner at its angles.
-
-    Raises:
-        InputError: the file's angles are outside the positioner's ranges.
-    """
-    cell = options.get("cell")
-    if cell is None:
-        return options
-    found = dict(options)
-    if options.get("tool") is None:
-        found["tool"] = cell.tool_of(operation.tool.number, operation.tool.name)
-    if cell.rail is not None:
-        place = cell.rail.asked(operation.number, operation.name)
-        moved = cell.on_rail(place)
-        if found.get("work_frame") is not None:
-            # stated as the arm sees it from where the carriage stands
-            found["work_frame"] = moved.seen @ np.linalg.inv(cell.seen) @ found["work_frame"]
-        cell = moved
-        found["cell"] = moved
-    if cell.positioner is not None:
-        asked = cell.positioner.asked(operation.number, operation.name)
-        if asked == "find":
-            path = operation.path.moved(cell.work_object.pose)
-            axes = cell.positioner.kinematics
-            setting = upright(axes, path, robot.spindle_axis, robot.upright[2])
-            first, last = np.degrees(setting.angles)
-            asked = (round(float(first), 3), round(float(last), 3))
-        found.update(cell=cell.on_positioner(asked), work_frame=None)
-    return found

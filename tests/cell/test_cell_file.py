@@ -18,6 +18,8 @@ from irb2400_ctrl.cli.planning.placing import doubts
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.planners import read_program
+from irb2400_ctrl.planners.plan_options import PlanOptions
+from irb2400_ctrl.robot import Robot
 from irb2400_ctrl.robot.shape import place_and_turn, pose
 
 pytest.importorskip("coal")
@@ -132,7 +134,7 @@ def test_an_operation_of_a_rail_that_is_misspelt_is_asked_about(name: str, asked
     standing = load_cell(CELL_FILE).model_copy(update={"rail": rail})
     program = read_program(EXAMPLE / "part.cls")
     called = replace(program.operations[0], name="PROFILE")
-    options = {"cell": standing, "work_frame": None}
+    options = PlanOptions(cell=standing)
     found = doubts(load_robot("irb2400"), replace(program, operations=(called,)), options)
     told = f"[rail] has a place for the operation {name}, the program has PROFILE"
     assert any(question.startswith(told) for question in found) == asked
@@ -212,17 +214,17 @@ def test_what_stands_on_the_work_object_moves_with_it() -> None:
 def test_plan_moves_the_cell_with_the_work_frame(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    asked = {}
+    asked = []
 
-    def planned(*args: object, **options: object) -> None:
-        asked.update(options)
+    def planned(options: PlanOptions, _: Robot) -> None:
+        asked.append(options)
         raise InputError("seen")
 
-    monkeypatch.setattr("irb2400_ctrl.planners.plan_path", planned)
+    monkeypatch.setattr(PlanOptions, "timed", planned)
     command = ["plan", str(EXAMPLE / "part.cls"), "--out", str(tmp_path / "out")]
     command += ["--cell", str(CELL_FILE), "--work-frame", "700,-300,400,0,0,40"]
     assert isinstance(CliRunner().invoke(app, command).exception, InputError)
-    found = asked["cell"]
+    found = asked[0].cell
     assert isinstance(found, Cell)
     assert found.work_frame == pytest.approx(pose((700, -300, 400), (0, 0, 40)))
 

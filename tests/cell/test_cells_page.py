@@ -8,7 +8,7 @@ import shlex
 from pathlib import Path
 
 import pytest
-from command_line import fenced, irb2400, script
+from command_line import answered, fenced, irb2400, script
 
 from irb2400_ctrl import load_robot
 
@@ -30,7 +30,7 @@ def folder(tmp_path: Path) -> Path:
 @pytest.mark.slow
 def test_commands(folder: Path) -> None:
     for line in block("sh").strip().split("\n"):
-        done = irb2400(*shlex.split(line)[1:], cwd=folder)
+        done = answered(line, folder)
         assert done.returncode == 0, (line, done.stderr)
         assert "clearance: at least" in done.stdout
     for name in ("plan", "deeper"):

@@ -12,6 +12,7 @@ from command_line import irb2400
 from only_posix import posix_only
 
 from irb2400_ctrl.planners import Plan
+from irb2400_ctrl.planners.plan_options import PlanOptions
 
 PATH = "x_mm,y_mm,z_mm,i,j,k,feed_mm_s\n1000,0,900,0,0,1,50\n1000,40,900,0,0,1,50\n"
 
@@ -24,7 +25,7 @@ def test_an_interrupted_plan_says_that_nothing_was_written_and_leaves_nothing(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     (tmp_path / "path.csv").write_text(PATH)
-    monkeypatch.setattr("irb2400_ctrl.planners.plan_path", stopped)
+    monkeypatch.setattr(PlanOptions, "timed", stopped)
     done = irb2400("plan", "path.csv", "--out", "out", cwd=tmp_path)
     assert done.returncode == 130
     assert done.stderr == "irb2400: interrupted; nothing was written\n"

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from irb2400_ctrl.arrays import Array
-from irb2400_ctrl.diagnosis.quick_rests import QuickRests, quick_rests
+from irb2400_ctrl.diagnosis.preparation.quick_rests import QuickRests, quick_rests
 
 STEP = 0.004
 TIME = STEP * np.arange(7500)

@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 
 from irb2400_ctrl.measurement import Log
-from irb2400_ctrl.measurement.motion.commanded import used_angles
-from irb2400_ctrl.measurement.motion.servo import followed
+from irb2400_ctrl.measurement.motion.commanded import followed, used_angles
 from irb2400_ctrl.measurement.uniform import (
     LowPass,
     _covered,

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import json
 import re
-import shlex
 import subprocess
 from pathlib import Path
 
 import pytest
-from command_line import fenced, irb2400, script
+from command_line import answered, fenced, script
 
 from irb2400_ctrl.trajectory import load_trajectory
 
@@ -27,7 +26,7 @@ def said(done: subprocess.CompletedProcess[str]) -> str:
 
 def commands(text: str, folder: Path) -> str:
     lines = text.strip().split("\n")
-    return "".join(said(irb2400(*shlex.split(line)[1:], cwd=folder)) for line in lines)
+    return "".join(said(answered(line, folder)) for line in lines)
 
 
 @pytest.fixture

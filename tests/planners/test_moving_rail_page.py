@@ -4,13 +4,11 @@ from __future__ import annotations
 
 import json
 import re
-import shlex
-import subprocess
 from pathlib import Path
 
 import numpy as np
 import pytest
-from command_line import fenced, irb2400, script
+from command_line import answered, fenced, script
 
 from irb2400_ctrl import load_robot
 from irb2400_ctrl.cell import load_cell
@@ -31,16 +29,12 @@ def block(language: str) -> str:
     return fenced(PAGE, language)[0]
 
 
-def command(line: str, folder: Path) -> subprocess.CompletedProcess[str]:
-    return irb2400(*shlex.split(line)[1:], cwd=folder)
-
-
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     found = tmp_path_factory.mktemp("rail")
     (found / "cell.toml").write_text(block("toml"))
     script(block("python"), found)
-    done = command(block("sh").strip(), found)
+    done = answered(block("sh").strip(), found)
     assert done.returncode == 0, done.stderr
     assert re.search(r"rail between [\d.-]+ and [\d.]+ mm", done.stdout)
     return found
@@ -105,6 +99,6 @@ def test_both_ends_are_out_of_reach_of_a_carriage_that_stands(folder: Path) -> N
     text = (folder / "cell.toml").read_text().replace('position_mm = "move"', "position_mm = 2000")
     (folder / "standing.toml").write_text(text)
     line = block("sh").strip().replace("--out seam", "--out still")
-    done = command(line.replace("cell.toml", "standing.toml"), folder)
+    done = answered(line.replace("cell.toml", "standing.toml"), folder)
     assert done.returncode != 0
     assert "point" in done.stderr

@@ -122,7 +122,6 @@ HEAD = "x_mm,y_mm,z_mm,i,j,k\n900,0,500,0,0,1\n"
         ("a.apt", "GOTO/1,2,3\nJUMP/4,5,6\n", "line 2: unknown statement 'JUMP'"),
         ("a.apt", "FEDRAT/-5,MMPM\n", "line 1: FEDRAT/-5.0, expected a positive feed"),
         ("a.apt", "GOTO/1,2,$\n", "continued by"),
-        ("a.step", "x", "unknown kind '.step'"),
     ],
 )
 def test_wrong_input_names_the_line(tmp_path: Path, name: str, text: str, says: str) -> None:

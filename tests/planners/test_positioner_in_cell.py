@@ -17,7 +17,7 @@ from irb2400_ctrl.cli.main import app
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.planners import plan_path, read_program
-from irb2400_ctrl.planners.program_plan import for_operation
+from irb2400_ctrl.planners.plan_options import PlanOptions
 from irb2400_ctrl.planners.programs.rapid import check_rapid, load_rapid
 
 Array = npt.NDArray[np.float64]
@@ -105,13 +105,14 @@ def test_angles_are_found_or_stated_for_each_operation(tmp_path: Path) -> None:
     file.write_text(PART)
     top, side = read_program(file).operations
     around = cell(tmp_path, 'position_deg = "find"')
-    found = [for_operation(ROBOT, o, {"cell": around})["cell"] for o in (top, side)]
+    asked = PlanOptions(cell=around)
+    found = [asked.for_operation(o, ROBOT).cell for o in (top, side)]
     assert found[0].positioner_deg == (0, 0)
     # the axis that points to x in the part stands upright
     up = found[1].work_frame[:3, :3] @ [1, 0, 0]
     assert np.allclose(up, [0, 0, 1], atol=1e-4)
     stated = cell(tmp_path, "operations = { SIDE = [-45, 10] }")
-    angles = [for_operation(ROBOT, o, {"cell": stated})["cell"].positioner_deg for o in (top, side)]
+    angles = [PlanOptions(cell=stated).for_operation(o, ROBOT).positioner for o in (top, side)]
     assert angles == [(0, 0), (-45, 10)]
     with pytest.raises(InputError, match="answered for each operation"):
         plan_path(ROBOT, top.path, cell=around)
@@ -123,8 +124,8 @@ def test_upright_is_against_gravity(tmp_path: Path) -> None:
     file.write_text(PART)
     side = read_program(file).operations[1]
     hung = ROBOT.model_copy(update={"gravity_m_s2": (0.0, 0.0, 9.81)})
-    options = {"cell": cell(tmp_path, 'position_deg = "find"')}
-    up = for_operation(hung, side, options)["cell"].work_frame[:3, :3] @ [1, 0, 0]
+    options = PlanOptions(cell=cell(tmp_path, 'position_deg = "find"'))
+    up = options.for_operation(side, hung).frame[:3, :3] @ [1, 0, 0]
     assert np.allclose(up, [0, 0, -1], atol=1e-4)
 
 

@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import json
-import shlex
-import subprocess
 from pathlib import Path
 
 import numpy as np
 import pytest
-from command_line import fenced, irb2400, script
+from command_line import answered, fenced, script
 
 from irb2400_ctrl import load_robot
 from irb2400_ctrl.cell import load_cell
@@ -27,16 +25,12 @@ def block(language: str) -> str:
     return fenced(PAGE, language)[0]
 
 
-def command(line: str, folder: Path) -> subprocess.CompletedProcess[str]:
-    return irb2400(*shlex.split(line)[1:], cwd=folder)
-
-
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     found = tmp_path_factory.mktemp("turning")
     (found / "table.toml").write_text(block("toml"))
     script(block("python"), found)
-    done = command(block("sh").strip(), found)
+    done = answered(block("sh").strip(), found)
     assert done.returncode == 0, done.stderr
     assert "turn between" in done.stdout
     return found
@@ -96,6 +90,6 @@ def test_rapid_is_read_back(folder: Path) -> None:
 
 def test_the_part_that_stands_cannot_be_gone_around(folder: Path) -> None:
     line = block("sh").strip().replace("--out band", "--out still")
-    done = command(f"{line} --positioner -90,0", folder)
+    done = answered(f"{line} --positioner -90,0", folder)
     assert done.returncode != 0
     assert "point" in done.stderr

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -32,9 +33,9 @@ from irb2400_ctrl.errors import InputError
 if TYPE_CHECKING:
     from irb2400_ctrl.arrays import Array
     from irb2400_ctrl.cell import Cell
-    from irb2400_ctrl.model import Model
     from irb2400_ctrl.planners import CamProgram
     from irb2400_ctrl.planners.placement import Area, Placement
+    from irb2400_ctrl.planners.plan_options import PlanOptions
     from irb2400_ctrl.report import Page
     from irb2400_ctrl.robot import Robot
 
@@ -99,9 +100,9 @@ def place(
     for part in parts:
         input_file(part, TOOLPATH)
 
-    from irb2400_ctrl.model import Model
     from irb2400_ctrl.planners import read_program
     from irb2400_ctrl.planners.placement import place as find_place
+    from irb2400_ctrl.planners.plan_options import PlanOptions
     from irb2400_ctrl.planners.toolpath.work_frame import work_frame as pose_of
     from irb2400_ctrl.report.pages.placement_page import placement_page
 
@@ -117,7 +118,7 @@ def place(
     if rail:
         standing = None if around is None else around.placed(start)
         return on_rail(arm, programs, standing, free_tool_rotation, tool, load, out)
-    box = _area(Model(arm), area, turn)
+    box = _area(arm, area, turn)
     with step("looking for a place") as say:
         found = find_place(
             arm,
@@ -132,7 +133,7 @@ def place(
         )
     facts = _asked(found, around)
     if plan:
-        options = {"free_tool_rotation": free_tool_rotation, "tool": tool}
+        options = PlanOptions(free_tool_rotation=free_tool_rotation, tool=tool)
         facts["planned"] = _both(found, programs, around, options, out)
     _print(facts)
     return _written(facts, placement_page(found, facts.get("planned"), around), arm, out)
@@ -183,14 +184,15 @@ def _cell_of(file: Path | None) -> Cell | None:
     return around
 
 
-def _area(model: Model, text: str | None, turn: bool) -> Area:
+def _area(arm: Robot, text: str | None, turn: bool) -> Area:
     import numpy as np
 
+    from irb2400_ctrl.model import Model
     from irb2400_ctrl.planners.placement import Area
 
     turns = np.radians([0.0, 90.0, 180.0, 270.0]) if turn else np.zeros(1)
     if text is None:
-        found = Area.around(model, turns)
+        found = Area.around(Model(arm), turns)
         return Area(found.low, found.high, turns, turn)
     try:
         values = np.array([float(part) for part in text.split(",")]) / 1e3
@@ -208,7 +210,7 @@ def _both(
     found: Placement,
     programs: list[CamProgram],
     cell: Cell | None,
-    options: dict[str, Any],
+    options: PlanOptions,
     out: Path,
 ) -> dict[str, Any]:
     """What planning at the start and at the found place gives."""
@@ -223,24 +225,22 @@ def _planned(
     programs: list[CamProgram],
     cell: Cell | None,
     X_BW: Array,
-    options: dict[str, Any],
+    options: PlanOptions,
     out: Path,
 ) -> dict[str, Any]:
     """What planning the operations one by one gives at a place."""
     from irb2400_ctrl.model import Model
-    from irb2400_ctrl.planners import plan_path
-    from irb2400_ctrl.planners.program_plan import for_operation
+    from irb2400_ctrl.planners.plan_path import plan_asked
     from irb2400_ctrl.planners.redundancy.singularity_margins import NAMES, scales
 
     load = None if found.load is None else found.load.turned(X_BW)
     around = None if cell is None else cell.placed(X_BW)
+    there = replace(options, cell=around, work_frame=X_BW, load=load)
     told: list[dict[str, Any]] = []
     for number, operation in enumerate((o for p in programs for o in p.operations), 1):
-        asked = {**options, "cell": around, "work_frame": X_BW, "load": load}
         try:
-            plan = plan_path(
-                found.robot, operation.path, **for_operation(found.robot, operation, asked)
-            )
+            asked = there.for_operation(operation, found.robot)
+            plan = plan_asked(found.robot, operation.path, asked)
         except InputError as error:
             return {"refused": f"operation {number}: {error}"}
         plan.write(out / f"{number:02d}")

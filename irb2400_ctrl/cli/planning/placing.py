@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import difflib
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from irb2400_ctrl.arrays import Array
     from irb2400_ctrl.cell import Cell
     from irb2400_ctrl.planners import CamProgram
+    from irb2400_ctrl.planners.plan_options import PlanOptions
     from irb2400_ctrl.robot import Robot
 
 PositionerOption = Annotated[
@@ -46,23 +47,22 @@ def placed(
     return pose, around, around.work_frame
 
 
-def doubts(arm: Robot, program: CamProgram, options: dict[str, Any]) -> list[str]:
+def doubts(arm: Robot, program: CamProgram, options: PlanOptions) -> list[str]:
     """What to ask of the place of a part: a spindle below it, a path beside it, a mesh with gaps,
     angles in radians, a misspelt operation.
 
     Args:
         arm: whose gravity says what is below.
         program: its points in the frame of the CAM file.
-        options: of `plan_path`, with the frame and the cell.
+        options: with the frame and the cell.
     """
     from irb2400_ctrl.cell.piece import cell_pieces, open_meshes
     from irb2400_ctrl.cell.radians_typed import radians_typed
     from irb2400_ctrl.planners.clearance.beside_part import beside_part
-    from irb2400_ctrl.planners.linking.part_in_base import frame_of
     from irb2400_ctrl.planners.toolpath.from_below import from_below
 
-    cell = options["cell"]
-    frame = frame_of(options)
+    cell = options.cell
+    frame = options.frame
     pieces = [] if cell is None else cell_pieces(cell)
     turns = cell is not None and cell.positioner is not None
     found = [

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -26,9 +26,9 @@ from irb2400_ctrl.cli.options import (
     output_folder,
 )
 from irb2400_ctrl.cli.planning.cutting import CuttingForceOption, StiffnessOption, cutting_load
-from irb2400_ctrl.cli.planning.job import Job
 from irb2400_ctrl.cli.planning.placing import PositionerOption, doubts, placed
 from irb2400_ctrl.cli.planning.plan_program import (
+    Job,
     held,
     link_options,
     plan_all,
@@ -56,6 +56,7 @@ LEAST_TOLD = 0.005
 
 if TYPE_CHECKING:
     from irb2400_ctrl.planners import CamProgram, Plan
+    from irb2400_ctrl.planners.plan_options import PlanOptions
     from irb2400_ctrl.robot import Robot
 
 PathArgument = Annotated[
@@ -208,26 +209,28 @@ def plan(
 ) -> Summary:
     """Plan a toolpath: branch, tool rotation, torque-limited timing -> trajectory.csv, plan.json,
     report.html."""
+    from irb2400_ctrl.planners.plan_options import PlanOptions
+
     input_file(path, TOOLPATH)
     program = _read(path, operation, units, rotary, spindle_rpm, work_offset)
     output_folder(out)
     arm = load_arm(robot)
     pose, around, frame = placed(work_frame, cell, positioner)
-    options = {
-        "rate": rate,
-        "free_tool_rotation": free_tool_rotation,
-        "work_frame": pose,
-        "cell": around,
-        "tool": tool,
-        "tolerance": 1e-3 * tolerance_mm,
-        "axis_tolerance": math.radians(axis_tolerance_deg),
-        "torque_share": torque_share,
-        "load": cutting_load(arm, cutting_force, joint_stiffness, frame),
-        "interpolation": interpolation,
-        "rotation_map": rotation_map,
-        "torque_rate": None if torque_rate is None else torque_rate * arm.tau_max,
-        "jerk": None if jerk_deg_s3 is None else math.radians(jerk_deg_s3),
-    }
+    options = PlanOptions(
+        rate=rate,
+        free_tool_rotation=free_tool_rotation,
+        work_frame=pose,
+        cell=around,
+        tool=tool,
+        tolerance=1e-3 * tolerance_mm,
+        axis_tolerance=math.radians(axis_tolerance_deg),
+        torque_share=torque_share,
+        load=cutting_load(arm, cutting_force, joint_stiffness, frame),
+        interpolation=interpolation,
+        rotation_map=rotation_map,
+        torque_rate=None if torque_rate is None else torque_rate * arm.tau_max,
+        jerk=None if jerk_deg_s3 is None else math.radians(jerk_deg_s3),
+    )
     _say_assumed(arm, program, options)
     chosen = link_options(arm, len(program.operations), links, clearance, approach, start)
     job = Job(arm, program, chosen, options, out, rapid_options(rapid, rapid_set, rapid_io))
@@ -261,15 +264,15 @@ def _read(
     return replace(program, operations=(program.operation(operation),))
 
 
-def _say_assumed(arm: Robot, program: CamProgram, options: dict[str, Any]) -> None:
+def _say_assumed(arm: Robot, program: CamProgram, options: PlanOptions) -> None:
     """What the file leaves open, which operations take the robot file's tool because the cell does
     not have theirs, and whether the part is meant to be where it is."""
     for note in program.of_kind("assumed"):
         print(f"assumed, {note}")
-    cell = options["cell"]
+    cell = options.cell
     for question in doubts(arm, program, options):
         print(f"is this meant? {question}")
-    if cell is None or options["tool"] is not None:
+    if cell is None or options.tool is not None:
         return
     for operation in program.operations:
         asked = operation.tool
@@ -283,19 +286,16 @@ def _say_assumed(arm: Robot, program: CamProgram, options: dict[str, Any]) -> No
 
 def _plan_one(job: Job) -> Summary:
     """The only operation, into the folder itself; in parts where axes have to be unwound."""
-    from irb2400_ctrl.planners import plan_path
-    from irb2400_ctrl.planners.linking.part_in_base import frame_of
-    from irb2400_ctrl.planners.program_plan import for_operation
+    from irb2400_ctrl.planners.plan_path import plan_asked
 
     operation = job.program.operation()
     toolpath = operation.path
-    options = for_operation(job.arm, operation, job.options)
+    options = job.options.for_operation(operation, job.arm)
     task = f"planning {len(toolpath):,} points"
     with step(task) as say:
+        told = replace(options, progress=lambda stage: say(f"{task}: {stage}"))
         try:
-            planned = plan_path(
-                job.arm, toolpath, progress=lambda stage: say(f"{task}: {stage}"), **options
-            )
+            planned = plan_asked(job.arm, toolpath, told)
         except UnreachableError as error:
             say(f"{task}: unwinding")
             return plan_parts(job, error)
@@ -306,10 +306,9 @@ def _plan_one(job: Job) -> Summary:
         if planned.rotation_map is not None:
             written.append("rotation_map.json")
         if job.rapid is not None:
-            frame = frame_of(options)
-            written += write_plan_module(planned, operation, job.rapid, frame, job.out)
+            written += write_plan_module(planned, operation, job.rapid, options.frame, job.out)
     print(f"{job.program.name}: {len(toolpath)} points, {planned.summary()['duration_s']:.2f} s")
-    _print_summary(planned, options["tolerance"])
+    _print_summary(planned, options.tolerance)
     paths = [job.out / name for name in written]
     return wrote(planned.summary(), paths)
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import gc
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -17,9 +18,22 @@ from irb2400_ctrl.wording import counted
 
 if TYPE_CHECKING:
     from irb2400_ctrl.arrays import Array
-    from irb2400_ctrl.cli.planning.job import Job
-    from irb2400_ctrl.planners import LinkOptions, Plan, ProgramMotion, ProgramPlan
+    from irb2400_ctrl.planners import CamProgram, LinkOptions, Plan, ProgramMotion, ProgramPlan
+    from irb2400_ctrl.planners.plan_options import PlanOptions
+    from irb2400_ctrl.planners.programs.rapid import RapidOptions
     from irb2400_ctrl.robot import Robot
+
+
+@dataclass(frozen=True, eq=False)
+class Job:
+    """One call of `irb2400 plan`."""
+
+    arm: Robot
+    program: CamProgram
+    links: LinkOptions
+    options: PlanOptions
+    out: Path
+    rapid: RapidOptions | None
 
 
 def link_options(
@@ -74,16 +88,16 @@ def _angles(text: str) -> Any:
 
 def plan_all(job: Job) -> Summary:
     """The whole into the folder itself, each operation into its own, and program.json."""
-    from irb2400_ctrl.planners import plan_program
+    from irb2400_ctrl.planners.program_plan import plan_operations
 
     task = f"planning {counted(len(job.program.operations), 'operation')}"
     with step(task) as say:
-        found = plan_program(
+        found = plan_operations(
             job.arm,
             job.program,
-            links=job.links,
+            job.options,
+            job.links,
             started=lambda o: say(f"{task}: {o.number} {o.name}"),
-            **job.options,
         )
         say(f"{task}: writing")
         written = _write(found, job)
@@ -98,7 +112,7 @@ def plan_parts(job: Job, because: UnreachableError) -> Summary:
     """
     from irb2400_ctrl.planners.program_plan import plan_unwound
 
-    found = plan_unwound(job.arm, job.program, job.links, because, **job.options)
+    found = plan_unwound(job.arm, job.program, job.options, job.links, because)
     written = _write(found, job)
     return _told(found, job, written)
 
@@ -135,14 +149,14 @@ def _modules(found: ProgramPlan, job: Job) -> list[Path]:
     for done in found.operations:
         whole = done.operation if len(done.runs) == 1 else None
         for folder, run in done.folders():
-            names = write_plan_module(run.plan, whole, job.rapid, done.frame, out / folder)
+            names = write_plan_module(run.plan, whole, job.rapid, done.options.frame, out / folder)
             written += [out / folder / name for name in names]
     return written
 
 
 def _common_frame(found: ProgramPlan) -> Array | None:
     """The work frame of all operations; None where a positioner turns the part between them."""
-    frames = [done.frame for done in found.operations]
+    frames = [done.options.frame for done in found.operations]
     first = frames[0]
     alike = first is not None and all(f is not None and (f == first).all() for f in frames)
     return first if alike else None
@@ -156,7 +170,7 @@ def _told(found: ProgramPlan, job: Job, written: Sequence[Path]) -> Summary:
             points = len(done.operation.path)
             print(f"{done.folder}: {points} points, {done.duration:.2f} s")
     if found.motion is not None:
-        print_motion(found.motion, found.program.name, job.options["tolerance"])
+        print_motion(found.motion, found.program.name, job.options.tolerance)
     print(f"written: {_files(written, job.out)}")
     whole = {} if found.motion is None else found.motion.summary()
     return Summary({**whole, "program": found.summary()}, written, _refusal(found))
@@ -252,7 +266,7 @@ def print_feed(feed: dict[str, Any] | None) -> None:
 
 
 def report(
-    planned: Plan | ProgramMotion, out: Path, arm: Robot, title: str, options: dict[str, Any]
+    planned: Plan | ProgramMotion, out: Path, arm: Robot, title: str, options: PlanOptions
 ) -> str:
     """The report; its name."""
     # figures of the report before hold on to each other
@@ -261,10 +275,9 @@ def report(
     from irb2400_ctrl.cli.command_line import provenance
     from irb2400_ctrl.report.pages.plan_page import plan_page
 
-    cell = options.get("cell")
     # a program may change its tool; the picture of the whole has the one that was asked for
-    tool = None if cell is None or options.get("tool") is None else cell.tool(options["tool"])
-    page = plan_page(planned, title, arm, cell, tool, options["tolerance"])
+    tool = options.in_spindle
+    page = plan_page(planned, title, arm, options.cell, tool, options.tolerance)
     page.provenance(provenance(arm))
     page.write(out / "report.html")
     return "report.html"

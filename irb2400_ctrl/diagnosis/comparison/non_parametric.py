@@ -7,6 +7,7 @@ with the joint and the signals it depends on.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import combinations
 
@@ -29,6 +30,8 @@ class NonParametricLaw:
     joint: int
     depends_on: tuple[str, ...]
     columns: Array
+    against_motion: bool = False
+    """whether it turns over with the direction, as friction does"""
 
 
 def splines(x: Array, count: int) -> Array:
@@ -91,8 +94,8 @@ def non_parametric_laws(
         )
     return {
         j: [
-            NonParametricLaw(name, j, _own(signals, j), columns)
-            for (name, signals), columns in (common | _of_joint(motion, load, torque, j)).items()
+            *(NonParametricLaw(name, j, _own(of, j), tau) for (name, of), tau in common.items()),
+            *_of_joint(motion, load, torque, j),
         ]
         for j in range(n)
     }
@@ -100,7 +103,7 @@ def non_parametric_laws(
 
 def _of_joint(
     motion: PreparedLog, load: Array, torque: Array, j: int
-) -> dict[tuple[str, tuple[str, ...]], Array]:
+) -> Iterator[NonParametricLaw]:
     """Laws in the joint's own signals."""
     time = splines(motion.time, 6)
     own: dict[tuple[str, tuple[str, ...]], Array] = {
@@ -109,6 +112,7 @@ def _of_joint(
         ("torque", ("load", "qd")): splines(torque[:, j], 10),
         ("load over time", ("load", "time")): torque[:, j, None] * time,
     }
+    turning: dict[tuple[str, tuple[str, ...]], Array] = {}
     if np.ptp(motion.qd[:, j]) > 1e-3:
         q = motion.q[:, j]
         qd = motion.qd[:, j][:, None]
@@ -118,12 +122,16 @@ def _of_joint(
             ("angle", ("q",)): q_fine,
             ("speed", ("qd",)): np.hstack([splines(motion.qd[:, j], 20), sign]),
             ("acceleration", ("qdd",)): splines(motion.qdd[:, j], 10),
+        }
+        turning = {
             ("friction over angle", ("q", "qd")): sign * q_fine,
             ("viscosity over angle", ("q", "qd")): qd * splines(q, 8),
             ("friction over time", ("qd", "time")): np.hstack([sign * time, qd * time]),
             ("friction over load", ("load", "sign_qd")): sign * splines(load[:, j], 8),
         }
-    return {key: motion.filtered(values) for key, values in own.items()}
+    for laws, against_motion in ((own, False), (turning, True)):
+        for (name, signals), values in laws.items():
+            yield NonParametricLaw(name, j, signals, motion.filtered(values), against_motion)
 
 
 def _own(signals: tuple[str, ...], j: int) -> tuple[str, ...]:

@@ -312,7 +312,15 @@ class Scan(LogColumns):
             score = problem.score(columns)
             found.append(
                 Candidate(
-                    "unexplained", joint + 1, law.name, law.depends_on, (), columns, None, score
+                    "unexplained",
+                    joint + 1,
+                    law.name,
+                    law.depends_on,
+                    (),
+                    columns,
+                    None,
+                    score,
+                    against_motion=law.against_motion,
                 )
             )
         return found

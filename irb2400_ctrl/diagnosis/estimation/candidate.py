@@ -35,6 +35,7 @@ class Candidate:
         effects: as the scan estimates it (one per joint if it sits on every joint); empty for a
             non-parametric law.
         law, discrepancy: filtered columns.
+        against_motion: whether a non-parametric law turns over with the direction.
     """
 
     kind: str
@@ -51,6 +52,7 @@ class Candidate:
     """usual value and spread of each coefficient; empty: no such knowledge"""
     spread: dict[str, float] = field(default_factory=dict)
     """standard errors of nonlinear parameters that a search has found, from the noise alone"""
+    against_motion: bool = False
 
     def torque(self, n: int) -> Array:
         """Filtered torque as scored, discrepancy included, shape (rows, n)."""

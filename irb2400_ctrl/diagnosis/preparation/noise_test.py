@@ -4,13 +4,14 @@ about."""
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from scipy.interpolate import CubicSpline
 from scipy.stats import norm
 
 from irb2400_ctrl.arrays import Array, Mask
+from irb2400_ctrl.diagnosis.preparation.quick_rests import QuickRests, quick_rests
 from irb2400_ctrl.measurement.log import Log
 from irb2400_ctrl.measurement.log_facts import digit
 from irb2400_ctrl.measurement.prepared_log import PreparedLog
@@ -43,25 +44,24 @@ class NoiseTest:
             the angles, their departure from the motion that was used [Nm].
         left: rms of what is left [Nm]; means: of its means, over what white noise would give beside
             digits and open numbers, whose errors last.
-        bar, means_bar: above which it is no noise.
+        quick: what is quicker than laws are compared on.
     """
 
     floor: Array
     left: Array
     means: Array
-    bar: float = MOST
-    means_bar: float = MOST_MEANS
+    quick: QuickRests = field(default_factory=QuickRests)
 
     @property
     def beyond(self) -> tuple[int, ...]:
         """Joints (from 1) on which more than noise is left."""
-        much = (self.left > self.bar * self.floor) | (self.means > self.means_bar)
+        much = (self.left > MOST * self.floor) | (self.means > MOST_MEANS)
         return tuple(int(j) + 1 for j in np.flatnonzero(much))
 
     @property
     def by_means_alone(self) -> tuple[int, ...]:
         """Those of which the means alone say so, as they do of noise with more colour."""
-        return tuple(j for j in self.beyond if self.left[j - 1] <= self.bar * self.floor[j - 1])
+        return tuple(j for j in self.beyond if self.left[j - 1] <= MOST * self.floor[j - 1])
 
 
 def noise_test(
@@ -81,10 +81,12 @@ def noise_test(
     ratio = np.array([test.left / np.maximum(test.floor, 1e-12) for test in tests])
     worst = np.argmax(ratio, axis=0)
     joint = np.arange(motion.n)
+    floor = np.array([test.floor for test in tests])[worst, joint]
     return NoiseTest(
-        np.array([test.floor for test in tests])[worst, joint],
+        floor,
         np.array([test.left for test in tests])[worst, joint],
         np.max([test.means for test in tests], axis=0),
+        quick_rests(motion, motion.tau - predicted, floor),
     )
 
 

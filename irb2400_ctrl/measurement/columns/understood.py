@@ -10,12 +10,11 @@ from typing import NamedTuple
 import numpy as np
 
 from irb2400_ctrl.errors import InputError
-from irb2400_ctrl.measurement.columns.angle_zero import from_zero
 from irb2400_ctrl.measurement.columns.clock import Clock
 from irb2400_ctrl.measurement.columns.column_map import TIME, ColumnMap
 from irb2400_ctrl.measurement.columns.column_words import meaning
 from irb2400_ctrl.measurement.columns.guessed_places import guessed_places
-from irb2400_ctrl.measurement.columns.mapped_time import with_time
+from irb2400_ctrl.measurement.columns.mapped import mapped
 from irb2400_ctrl.measurement.columns.recorder_names import (
     has_time,
     names_joints,
@@ -32,7 +31,6 @@ from irb2400_ctrl.measurement.columns.signal_names import (
 )
 from irb2400_ctrl.measurement.columns.suggested_map import suggested_map
 from irb2400_ctrl.measurement.columns.two_part_time import joined_time, time_pair
-from irb2400_ctrl.measurement.columns.whole_turns import unwrapped
 from irb2400_ctrl.measurement.table import Table, said_of_copies, said_of_joint_rows
 from irb2400_ctrl.reading import looks_like
 
@@ -99,7 +97,7 @@ def understood(
             shown = suggested_map(given_columns, names) or guessed_places(given_columns, names)
             raise InputError(f"{told}{shown}") from error
     else:
-        table = unwrapped(from_zero(with_time(table, given), given), given)
+        table = mapped(table, given)
         time, found, scales = _by_map(table, given)
         n = _joints(table, found, joints)
     return Understood(table, time, found, scales, n)

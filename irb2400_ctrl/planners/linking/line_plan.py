@@ -10,7 +10,6 @@ from irb2400_ctrl.planners.linking.run import Run
 from irb2400_ctrl.planners.plan import Plan
 from irb2400_ctrl.planners.plan_path import plan_ways
 from irb2400_ctrl.planners.redundancy.known_way import End, known_way
-from irb2400_ctrl.planners.stage_clock import StageClock
 from irb2400_ctrl.planners.toolpath.toolpath import ToolPath
 
 
@@ -63,5 +62,4 @@ def _planned(run: Run, path: ToolPath, q: Array, end: End) -> Plan:
         lambda model, orientation, scene: [known_way(model, orientation, q, end, scene)],
         run.options,
         run.timing,
-        StageClock(None),
     )

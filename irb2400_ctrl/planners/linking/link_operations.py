@@ -33,7 +33,6 @@ def link_operations(
     runs: Sequence[Run],
     plane: ClearancePlane,
     links: LinkOptions,
-    rate: float,
 ) -> ProgramMotion:
     """One motion through all runs, in their order.
 
@@ -42,18 +41,16 @@ def link_operations(
         runs: with their plans; limits and back-end of the moves between are those of the plans.
         plane: above all that is cut.
         links: heights and ends.
-        rate: rows of the trajectory per second [1/s], that of the plans.
 
     Raises:
         UnreachableError: a line to the clearance plane, or a move above it, is out of reach.
         InputError: `links.start` is no configuration of the arm.
     """
+    rate = runs[0].options.rate
     home = start_of(runs[0].plan.robot, links.start)
-    chain = _Chain(plane, links, rate, home)
-    chain.along = any((run.plan.carried_names or ("",))[0] == "rail" for run in runs)
-    if links.ends:
-        chain.here = home
-    start = chain.here
+    along = any((run.plan.carried_names or ("",))[0] == "rail" for run in runs)
+    start = home if links.ends else None
+    chain = _Chain(plane, links, rate, home, along, start)
     before: Run | None = None
     for k, run in enumerate(runs):
         last = k == len(runs) - 1
@@ -114,14 +111,14 @@ class _Chain:
     rate: float
     home: Array
     """where the arm stands while the positioner turns"""
-    here: Array | None = None
+    along: bool
+    """whether the rows say where the carriage is, because it moves in some run"""
+    here: Array | None
     """configuration at the end [rad]; None before the first segment"""
     segments: list[Segment] = field(default_factory=list)
     events: list[TimedEvent] = field(default_factory=list)
     rows: int = 0
     """of the trajectory so far, its first one apart"""
-    along: bool = False
-    """whether the rows say where the carriage is, because it moves in some run"""
 
     @property
     def time(self) -> float:

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -14,24 +13,20 @@ from irb2400_ctrl.model import Model
 from irb2400_ctrl.planners.clearance import cutting_moves
 from irb2400_ctrl.planners.linking.clearance_plane import ClearancePlane
 from irb2400_ctrl.planners.linking.link_options import LinkOptions
-from irb2400_ctrl.planners.linking.part_in_base import path_in_base, placed_path
 from irb2400_ctrl.planners.linking.run import Run
 from irb2400_ctrl.planners.linking.waits import waiting, waits
 from irb2400_ctrl.planners.plan import Plan
 from irb2400_ctrl.planners.plan_options import PlanOptions
-from irb2400_ctrl.planners.plan_path import plan_path
+from irb2400_ctrl.planners.plan_path import plan_asked
 from irb2400_ctrl.planners.redundancy.choices import GRID, cutting_at, stations
 from irb2400_ctrl.planners.redundancy.follow import arc_length
 from irb2400_ctrl.planners.redundancy.ladder_graph import FREE_SHIFTS, Ladder
 from irb2400_ctrl.planners.redundancy.reentry import cheapest_reentries
 from irb2400_ctrl.planners.redundancy.way_out import WayOut, way_is_free
-from irb2400_ctrl.planners.timing.sampled_reference.interpolation import DEFAULT, interpolation
 from irb2400_ctrl.planners.toolpath.cam_program import Operation
 from irb2400_ctrl.planners.toolpath.orientation import Orientation, shape_path
-from irb2400_ctrl.planners.toolpath.task_curve import TOLERANCE
 from irb2400_ctrl.planners.toolpath.toolpath import ToolPath
 from irb2400_ctrl.robot import Robot
-from irb2400_ctrl.trajectory.trajectory import RATE
 
 # what a mark on the part is worth [s]
 _MARK = 2.0
@@ -46,7 +41,7 @@ def operation_runs(
     operation: Operation,
     plane: ClearancePlane,
     links: LinkOptions,
-    options: dict[str, Any],
+    options: PlanOptions,
 ) -> tuple[Run, ...]:
     """The plan of an operation, in one go where that is possible.
 
@@ -55,15 +50,15 @@ def operation_runs(
         operation: in the work frame.
         plane: what is above the part, in the base.
         links: heights.
-        options: those of `plan_path`.
+        options: for the operation, see `PlanOptions.for_operation`.
 
     Raises:
         UnreachableError: neither in one go nor with unwinding; says where, and which axis.
     """
-    split = _split(robot, operation, plane, links, options)
+    split = Split.of(robot, operation, plane, links, options)
     whole = split.whole
     try:
-        plan = plan_path(robot, split.path, way_out=split.way_out(whole), **split.options)
+        plan = plan_asked(robot, split.path, split.options, split.way_out(whole))
     except UnreachableError as error:
         return split.waiting(split.runs(whole, error, _DEPTH))
     return split.waiting((split.run(plan, whole, ""),))
@@ -74,7 +69,7 @@ def unwound_runs(
     operation: Operation,
     plane: ClearancePlane,
     links: LinkOptions,
-    options: dict[str, Any],
+    options: PlanOptions,
     because: UnreachableError,
 ) -> tuple[Run, ...]:
     """The parts of an operation that cannot be followed in one go.
@@ -82,28 +77,8 @@ def unwound_runs(
     Raises:
         UnreachableError: `because`, where unwinding does not help.
     """
-    split = _split(robot, operation, plane, links, options)
+    split = Split.of(robot, operation, plane, links, options)
     return split.waiting(split.runs(split.whole, because, _DEPTH))
-
-
-def _split(
-    robot: Robot,
-    operation: Operation,
-    plane: ClearancePlane,
-    links: LinkOptions,
-    options: dict[str, Any],
-) -> Split:
-    """The operation in the base, ready to be cut in parts."""
-    path = placed_path(operation, options)
-    turned = path_in_base(robot, path, options)
-    middle = [point for point in waits(operation) if point < len(path) - 1]
-    if turned is not path and middle:
-        raise UnreachableError(
-            f"operation {operation.number} waits at point {middle[0] + 1}, which is not planned "
-            "while the positioner or the carriage moves; state where they stand for this operation"
-        )
-    options = {**options, "work_frame": np.eye(4)}
-    return Split(robot, operation, path, plane, links, options, turned)
 
 
 @dataclass(frozen=True)
@@ -125,15 +100,41 @@ class Split:
     """in the base"""
     plane: ClearancePlane
     links: LinkOptions
-    options: dict[str, Any]
-    """of `plan_path`"""
+    options: PlanOptions
+    """of `path`: its work frame is the base"""
     seen: ToolPath
     """in the base as the arm sees it, `path` where neither positioner nor carriage moves"""
+
+    @classmethod
+    def of(
+        cls,
+        robot: Robot,
+        operation: Operation,
+        plane: ClearancePlane,
+        links: LinkOptions,
+        options: PlanOptions,
+    ) -> Split:
+        """The operation in the base, ready to be cut in parts; its arguments as `operation_runs`.
+
+        Raises:
+            UnreachableError: it waits while axes beside the arm move.
+        """
+        path = options.placed(operation.path)
+        middle = [point for point in waits(operation) if point < len(path) - 1]
+        if options.external is not None and middle:
+            raise UnreachableError(
+                f"operation {operation.number} waits at point {middle[0] + 1}, which is not "
+                "planned while the positioner or the carriage moves; state where they stand for "
+                "this operation"
+            )
+        seen = options.seen(operation.path, robot)
+        options = replace(options, work_frame=np.eye(4))
+        return cls(robot, operation, path, plane, links, options, seen)
 
     @property
     def moving(self) -> bool:
         """Whether a positioner turns the part, or a carriage the arm, on the way."""
-        return self.seen is not self.path
+        return self.options.external is not None
 
     @property
     def whole(self) -> Part:
@@ -157,9 +158,7 @@ class Split:
         found: list[Run] = []
         for piece in pieces:
             try:
-                plan = plan_path(
-                    self.robot, piece.path, way_out=self.way_out(piece), **self.options
-                )
+                plan = plan_asked(self.robot, piece.path, self.options, self.way_out(piece))
                 found.append(self.run(plan, piece, str(because)))
             except UnreachableError:
                 found += self.runs(piece, because, depth - 1)
@@ -167,29 +166,13 @@ class Split:
 
     def run(self, plan: Plan, part: Part, because: str) -> Run:
         """A part with its plan."""
-        stated = any(self.options.get(name) is not None for name in ("torque_rate", "jerk"))
-        return Run(
-            self.operation, plan, part.points, self.robot, self._beside, stated, because=because
-        )
+        options = self.options.beside
+        return Run(self.operation, plan, part.points, self.robot, options, because=because)
 
     def waiting(self, runs: tuple[Run, ...]) -> tuple[Run, ...]:
         """The runs, cut where the operation waits."""
-        tolerance = float(self.options.get("tolerance", TOLERANCE))
+        tolerance = self.options.tolerance
         return tuple(part for run in runs for part in waiting(run, tolerance))
-
-    @property
-    def _beside(self) -> PlanOptions:
-        """Of the moves beside the parts: the tool does not turn."""
-        return PlanOptions(
-            float(self.options.get("rate", RATE)),
-            False,
-            np.eye(4),
-            TOLERANCE,
-            0.0,
-            interpolation(self.options.get("interpolation", DEFAULT)),
-            self.options.get("cell"),
-            self.options.get("tool"),
-        )
 
     def way_out(self, part: Part) -> WayOut:
         """From the ends of a part up to the plane; none from those of the motion itself."""
@@ -204,15 +187,14 @@ class Split:
 
     def _pieces(self, part: Part) -> list[Part]:
         """The part cut at the cheapest re-entries; in two halves, where the ladder needs none."""
-        tolerance = float(self.options.get("tolerance", TOLERANCE))
-        orientation = shape_path(part.path, self.robot.spindle_axis, tolerance)
-        held = orientation.curve.full and not self.options.get("free_tool_rotation", True)
+        orientation = shape_path(part.path, self.robot.spindle_axis, self.options.tolerance)
+        held = orientation.curve.full and not self.options.free_tool_rotation
         u = stations(orientation)
-        tool = self._beside.tool
+        tool = self.options.in_spindle
         model = Model(self.robot if tool is None else with_tool(self.robot, tool))
         ladder = Ladder.of(model, orientation, u, np.zeros(1) if held else GRID)
         ladder = self.way_out(part).kept(ladder, orientation)
-        scene = Scene.of(model, self.robot, self.options.get("cell"), tool)
+        scene = Scene.of(model, self.robot, self.options.cell, tool)
         if scene is not None:
             moves = cutting_moves(part.path, orientation.spindle)
             ladder = ladder.free_of(scene, cutting_at(orientation.curve, moves, u))

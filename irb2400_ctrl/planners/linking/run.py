@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import cast
 
 import numpy as np
 
@@ -14,7 +13,7 @@ from irb2400_ctrl.model import Model
 from irb2400_ctrl.planners.plan import Plan
 from irb2400_ctrl.planners.plan_options import PlanOptions
 from irb2400_ctrl.planners.redundancy.known_way import End
-from irb2400_ctrl.planners.timing.timing_options import Backend, TimingOptions
+from irb2400_ctrl.planners.timing.timing_options import TimingOptions
 from irb2400_ctrl.planners.toolpath.cam_program import Operation
 from irb2400_ctrl.robot import Robot
 
@@ -35,8 +34,6 @@ class Run:
     """as its file describes it, without a tool of the cell"""
     options: PlanOptions
     """rows, cell and tool of the moves beside it: its own"""
-    rates_stated: bool = False
-    """whether somebody asked for limits of torque rate or jerk"""
     wait: float = 0.0
     """how long the arm stands at its end, where its operation waits [s]"""
     because: str = ""
@@ -91,7 +88,8 @@ class Run:
     @cached_property
     def scene(self) -> Scene | None:
         """The arm in its cell; None where nothing is known of the space that it takes up."""
-        return Scene.of(Model(self.plan.robot), self.arm, self.options.cell, self.options.tool)
+        tool = self.options.in_spindle
+        return Scene.of(Model(self.plan.robot), self.arm, self.options.cell, tool)
 
     @property
     def feed(self) -> float:
@@ -102,10 +100,10 @@ class Run:
     def timing(self) -> TimingOptions:
         """Limits and back-end of the moves beside it: its own."""
         return TimingOptions(
-            cast(Backend, self.plan.timing),
+            self.options.timing,
             _CELLS,
             self.plan.certificate.limits.first(self.plan.robot.n),
             self.options.sampling,
-            self.plan.torque_share,
-            self.rates_stated,
+            self.options.torque_share,
+            self.options.rates_stated,
         )

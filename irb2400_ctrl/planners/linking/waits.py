@@ -16,7 +16,6 @@ from irb2400_ctrl.planners.external_bounds import turn
 from irb2400_ctrl.planners.linking.run import Run
 from irb2400_ctrl.planners.plan_path import plan_ways
 from irb2400_ctrl.planners.redundancy.known_way import known_way
-from irb2400_ctrl.planners.stage_clock import StageClock
 from irb2400_ctrl.planners.toolpath.cam_program import Operation
 from irb2400_ctrl.planners.toolpath.toolpath import ToolPath
 from irb2400_ctrl.robot import Robot
@@ -177,7 +176,6 @@ def _part(run: Run, path: ToolPath, first: int, last: int, q: Array, tolerance: 
         lambda model, orientation, scene: [known_way(model, orientation, q, "first", scene)],
         replace(run.options, tolerance=tolerance),
         replace(run.timing, cells=_CELLS),
-        StageClock(None),
     )
     return replace(run, plan=plan, points=run.points[rows])
 

@@ -101,9 +101,8 @@ def read_program(
         raise InputError(f"units: found {units!r}, expected one of {', '.join(LENGTHS)}")
     if spindle_rpm is not None and not 0 < spindle_rpm < math.inf:
         raise InputError(f"spindle_rpm: found {spindle_rpm}, expected a positive speed [1/min]")
-    if rotary is not None:
-        # said of every language: a slip is none that waits for another file
-        Rotary.of(rotary)
+    # read for every language: a slip is none that waits for another file
+    turning = None if rotary is None else Rotary.of(rotary)
     frames = named_frames(work_offsets)
     text = read_text(path)
     kind = dialect(text, path)
@@ -119,9 +118,9 @@ def read_program(
             default_spindle=2 * math.pi * (spindle_rpm or 0.0) / 60,
         )
         if kind == "G-code":
-            program = read_gcode(text, builder, units, rotary, frames)
+            program = read_gcode(text, builder, units, turning, frames)
         elif kind == HEIDENHAIN:
-            program = read_heidenhain(text, builder, units, rotary, frames)
+            program = read_heidenhain(text, builder, units, turning, frames)
         else:
             program = read_apt(text, kind, builder, units)
     if units is None:

@@ -104,8 +104,7 @@ class Entry:
     @property
     def gain(self) -> str:
         """How much worse the other motion is predicted without the name; empty if not known."""
-        gains = [getattr(f, "validation_gain", None) for f in self.findings]
-        told = [gain for gain in gains if gain is not None]
+        told = [f.validation_gain for f in self.findings if f.validation_gain is not None]
         if not told:
             return ""
         return f"{abs(max(told)):.0f} % {'smaller' if max(told) >= 0.0 else 'larger'}"

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import json
-import shlex
 from pathlib import Path
 
 import pytest
-from command_line import fenced, irb2400, script
+from command_line import answered, fenced, script
 
 ROOT = Path(__file__).parents[3]
 PAGE = (ROOT / "docs" / "cam.md").read_text()
@@ -26,7 +25,7 @@ def folder(tmp_path: Path) -> Path:
 @pytest.mark.slow
 def test_commands(folder: Path) -> None:
     for line in block("sh").strip().split("\n"):
-        done = irb2400(*shlex.split(line)[1:], cwd=folder)
+        done = answered(line, folder)
         assert done.returncode == 0, (line, done.stderr)
     program = json.loads((folder / "plan" / "program.json").read_text())
     assert [o["folder"] for o in program["operations"]] == ["01_CONTOUR", "02_HOLES"]

@@ -7,23 +7,14 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 import pytest
-from gcode_files import program
+from gcode_files import operation, positions, program
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from irb2400_ctrl.errors import InputError
-from irb2400_ctrl.planners import Operation, ToolPath, read_program
+from irb2400_ctrl.planners import ToolPath, read_program
 
 Array = npt.NDArray[np.float64]
-
-
-def operation(tmp_path: Path, text: str) -> Operation:
-    return program(tmp_path, text).operation()
-
-
-def positions(tmp_path: Path, text: str) -> Array:
-    """[mm]"""
-    return np.asarray(1e3 * operation(tmp_path, text).path.position)
 
 
 def test_modal_words_blanks_numbers_and_comments(tmp_path: Path) -> None:

@@ -7,21 +7,12 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 import pytest
-from gcode_files import program
+from gcode_files import operation, positions, program
 
 from irb2400_ctrl.errors import InputError
-from irb2400_ctrl.planners import Operation, read_program
+from irb2400_ctrl.planners import read_program
 
 Array = npt.NDArray[np.float64]
-
-
-def operation(tmp_path: Path, text: str) -> Operation:
-    return program(tmp_path, text).operation()
-
-
-def positions(tmp_path: Path, text: str) -> Array:
-    """[mm]"""
-    return np.asarray(1e3 * operation(tmp_path, text).path.position)
 
 
 def test_axis_words_after_a_cycle_go_on_as_before_it(tmp_path: Path) -> None:

@@ -34,7 +34,7 @@ MOTION = re.compile(
 )
 
 
-def read_csv(text: str, name: str, unit: float = 1e-3) -> CamProgram:
+def read_csv(text: str, name: str, unit: float) -> CamProgram:
     """A program of one operation from CSV with a header; lines that begin with # are comments.
 
     Args:

@@ -23,9 +23,7 @@ from irb2400_ctrl.planners.toolpath.readers.program_builder import ProgramBuilde
 from irb2400_ctrl.planners.toolpath.readers.unread_line import UnreadLineError
 
 
-def read_apt(
-    text: str, dialect: str, builder: ProgramBuilder, units: str | None = None
-) -> CamProgram:
+def read_apt(text: str, dialect: str, builder: ProgramBuilder, units: str | None) -> CamProgram:
     """All operations of an APT-like file.
 
     Args:

@@ -37,9 +37,9 @@ from irb2400_ctrl.planners.toolpath.readers.unread_line import TooMuchError, Unr
 def read_gcode(
     text: str,
     builder: ProgramBuilder,
-    units: str | None = None,
-    rotary: str | None = None,
-    frames: Mapping[str, Array] | None = None,
+    units: str | None,
+    rotary: Rotary | None,
+    frames: Mapping[str, Array],
 ) -> CamProgram:
     """All operations of a G-code file.
 
@@ -47,17 +47,16 @@ def read_gcode(
         text: of the file.
         builder: that takes the moves.
         units: unit of length, against G20 and G21.
-        rotary: the machine's rotary axes from part to tool, such as "C,A".
+        rotary: the machine's rotary axes from part to tool.
         frames: poses of work frames such as G55 in the first one, by their keys.
 
     Raises:
         InputError: a word that is not known or not read, with its line.
     """
     name = builder.name
-    turning = None if rotary is None else Rotary.of(rotary)
     siemens = is_siemens(text, name)
     state = GcodeState(siemens=siemens, evenly=not siemens, linuxcnc=is_linuxcnc(text, name))
-    reader = _Reader(builder, state, units, turning, frames)
+    reader = _Reader(builder, state, units, rotary, frames)
     variables = Variables(siemens=siemens, linuxcnc=state.linuxcnc)
     lines, notes = in_order(text, name, variables)
     try:
@@ -90,7 +89,7 @@ class _Reader:
         state: GcodeState,
         units: str | None,
         rotary: Rotary | None,
-        frames: Mapping[str, Array] | None,
+        frames: Mapping[str, Array],
     ) -> None:
         self._builder = builder
         self._state = state

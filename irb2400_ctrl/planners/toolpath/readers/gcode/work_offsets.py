@@ -43,11 +43,11 @@ class WorkOffsets:
     user says it, or a file with two of them is refused."""
 
     def __init__(
-        self, builder: ProgramBuilder, state: GcodeState, poses: Mapping[str, Array] | None = None
+        self, builder: ProgramBuilder, state: GcodeState, poses: Mapping[str, Array]
     ) -> None:
         self._builder = builder
         self._state = state
-        self._poses = poses or {}
+        self._poses = poses
         """by their keys, all in one frame"""
         self._used = ""
         self._first = ""

@@ -41,7 +41,7 @@ class PlainMotion:
         state: GcodeState,
         machine: PlainMachine,
         rotary: Rotary | None,
-        frames: Mapping[str, Array] | None,
+        frames: Mapping[str, Array],
     ) -> None:
         self._builder = builder
         self._state = state

@@ -54,9 +54,9 @@ UNREAD = {
 def read_heidenhain(
     text: str,
     builder: ProgramBuilder,
-    units: str | None = None,
-    rotary: str | None = None,
-    frames: Mapping[str, Array] | None = None,
+    units: str | None,
+    rotary: Rotary | None,
+    frames: Mapping[str, Array],
 ) -> CamProgram:
     """All operations of a program in plain language.
 
@@ -64,13 +64,13 @@ def read_heidenhain(
         text: of the file.
         builder: that takes the moves.
         units: unit of length, against BEGIN PGM.
-        rotary: the machine's rotary axes from part to tool, such as "C,A".
+        rotary: the machine's rotary axes from part to tool.
         frames: poses of presets in the first one, by their keys.
 
     Raises:
         InputError: a block that is not read, with its line.
     """
-    reader = _Reader(builder, units, None if rotary is None else Rotary.of(rotary), frames)
+    reader = _Reader(builder, units, rotary, frames)
     for block in Flow(statements(text)).blocks():
         with builder.reading(block.line):
             if isinstance(block, UnreadLineError):
@@ -87,7 +87,7 @@ class _Reader:
         builder: ProgramBuilder,
         units: str | None,
         rotary: Rotary | None,
-        frames: Mapping[str, Array] | None,
+        frames: Mapping[str, Array],
     ) -> None:
         self._builder = builder
         self._state = GcodeState()
