@@ -8,6 +8,8 @@ import numpy as np
 
 import irb2400_ctrl as irb
 from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.identification.fitting.columns import ColumnLayout
+from irb2400_ctrl.identification.fitting.prior import prior_of
 
 STICKS = 5e-4
 """[rad] from a turn of a joint to the middle of the turn of its dry friction"""
@@ -89,3 +91,19 @@ def test_friction_at_rest_is_not_told_from_speeds_far_above_it() -> None:
     found = irb.identify(robot, creeping_log(robot))
     assert all(extra.kind != "stribeck" for extra in found.layout.extras)
     assert (found.robot.friction[:, 0] < 2.0 * robot.friction[:, 0]).all()
+
+
+def test_what_a_slow_log_leaves_open_does_not_stop_the_drive_at_speed() -> None:
+    """How much of its friction grows with speed, 0.03 rad/s hardly say. What the file lacks was as
+    wide as all torque of the log over that speed: 90 Nms/rad of a joint with 7 in a milling log."""
+    robot = irb.load_robot("ur10e")
+    layout = ColumnLayout(robot.n)
+    torque = np.full(robot.n, 20.0)
+
+    def width(speed: float) -> Array:
+        scale = (torque, np.full(robot.n, speed), np.ones(robot.n))
+        drives = prior_of(robot, layout, scale).drives
+        return np.sqrt(drives)[layout.drive("viscous").start - layout.inertial :][: robot.n]
+
+    np.testing.assert_allclose(width(2.0), torque / 2.0)
+    np.testing.assert_allclose(width(0.03), torque)
