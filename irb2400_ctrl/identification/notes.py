@@ -81,8 +81,8 @@ def shared_factor(moved: Sequence[Moved]) -> float | None:
 def of_the_bodies(moved: Sequence[Moved], results: Sequence[LogResult], doubted: bool) -> list[str]:
     """Whether the logs bear the file's bodies out, where no body is said to have moved.
 
-    They do where the arm predicts every joint of every log unseen as well as plain least squares,
-    which knows nothing of the file, and well.
+    They do where every joint moves in one of them, and the arm predicts every joint of every log
+    unseen as well as plain least squares, which knows nothing of the file, and well.
 
     Args:
         moved: of every link; results: of every log.
@@ -91,10 +91,11 @@ def of_the_bodies(moved: Sequence[Moved], results: Sequence[LogResult], doubted:
     if doubted or any(one.alarms or not one.could_be for one in moved):
         return []
     against: list[str] = []
-    open_still = False
-    for result in results:
+    travels = np.array([np.ptp(result.q, axis=0) for result in results])
+    open_still = bool((travels <= LITTLE).all(axis=0).any())
+    for result, travel in zip(results, travels, strict=True):
         ours, plain = (result.error(w).rmse_over_mean_percent for w in ("unseen", "plain"))
-        moves = np.ptp(result.q, axis=0) > LITTLE
+        moves = travel > LITTLE
         ratio = np.where(
             moves & (ours > plain + MARKED) & (ours < HALF), ours / np.maximum(plain, 1e-9), 1.0
         )

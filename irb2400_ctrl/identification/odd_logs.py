@@ -1,7 +1,8 @@
 """Logs that are not of one arm with one load: fitted together, each leaves far more than alone.
 
-Friction alone changes from log to log as an arm warms up: where logs agree that each have friction
-of their own, that is said, and nothing of another arm or load.
+Friction changes from log to log as an arm warms up, the zero of a torque channel where it is set
+anew: where logs agree once each has such numbers of its own, that is said, and nothing of another
+arm or load.
 """
 
 from __future__ import annotations
@@ -24,6 +25,19 @@ AGREEING = 1.5
 """the same up to which the others agree once one is left out"""
 ALIKE = "with one load, in one mounting"
 """what logs have to share"""
+OF_THEIR_OWN = (
+    (
+        ("coulomb", "viscous"),
+        "the friction of the logs is not the same",
+        "with friction of its own for each log they agree. Was the arm as warm in all of them?",
+    ),
+    (
+        ("offset",),
+        "the zeros of the torques are not the same in all logs",
+        "with offsets of its own for each log they agree. Was a channel set to zero anew?",
+    ),
+)
+"""terms of the drives that may differ between logs of one arm; what is said where they do"""
 FEWEST = 100
 """samples of a joint that counts"""
 LITTLE = 1e-3
@@ -48,12 +62,10 @@ def odd_logs(found: Fit, parts: Sequence[Recording]) -> list[str]:
         return []
     place, joint = (int(k) for k in np.unravel_index(int(np.argmax(worst)), worst.shape))
     told = _told(parts, each, place, joint, float(worst[place, joint]))
-    friction = np.r_[bare.drive("coulomb"), bare.drive("viscous")]
-    if not _ratios_with_own(sums, blocks, each, friction).max() > TWICE:
-        return [
-            f"the friction of the logs is not the same: {told}; with friction of its own for each "
-            "log they agree. Was the arm as warm in all of them? What is written lies between"
-        ]
+    for terms, differ, agree in OF_THEIR_OWN:
+        own = np.concatenate([np.arange(bare.count)[bare.drive(term)] for term in terms])
+        if not _ratios_with_own(sums, blocks, each, own).max() > TWICE:
+            return [f"{differ}: {told}; {agree} What is written lies between"]
     if len(parts) == 2:
         names = " and ".join(part.motion.name for part in parts)
         return [f"{names} disagree: {told}; are both of this arm, {ALIKE}?"]

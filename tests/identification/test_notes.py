@@ -173,3 +173,14 @@ def test_it_is_said_how_far_confirmed_bodies_went() -> None:
 def test_nothing_is_confirmed_beside_what_speaks_against_it() -> None:
     assert not of_the_bodies([body(5.0)], [judged([4.0, 3.0], [4.0, 3.0])], False)
     assert not of_the_bodies([body(1.0)], [judged([4.0, 3.0], [4.0, 3.0])], True)
+
+
+def test_joints_that_rest_confirm_no_body() -> None:
+    """Of an arm whose file has its bodies 16 % off, two axes moved, and they were this arm's."""
+    one = judged([4.0, 3.0], [4.0, 3.0])
+    one.q[:, 0] = 0.3
+    (found,) = of_the_bodies([body(1.0)], [one], False)
+    assert found == "nothing in these logs contradicts the bodies of the file"
+    # another log shows the joint
+    both = [one, judged([4.0, 3.0], [4.0, 3.0])]
+    assert "are this arm's" in of_the_bodies([body(1.0)], both, False)[0]

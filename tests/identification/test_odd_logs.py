@@ -109,6 +109,14 @@ def test_either_friction_may_be_of_another_day(term: str) -> None:
     assert said_of(with_change(0, 5.0), ARM, ARM).startswith("log 1 does not belong")
 
 
+def test_the_zero_of_a_torque_is_no_other_arm() -> None:
+    """Of an arm whose channel of joint 2 had another zero in one log: "of another arm, load or
+    mounting?"."""
+    said = said_of(ARM, with_change(LAYOUT.drive("offset").start + 1, 9.0), ARM)
+    assert said.startswith("the zeros of the torques are not the same in all logs")
+    assert "of log 2 leaves" in said
+
+
 def test_how_far_logs_may_differ() -> None:
     assert "belong" in said_of(with_change(0, 4.0), ARM, ARM)
     assert not said_of(with_change(0, 2.0), ARM, ARM)

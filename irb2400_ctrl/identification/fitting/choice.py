@@ -94,6 +94,8 @@ class Choice:
         """
         if extra.kind == "load" and not _gear_could(extra, trial):
             return False
+        if extra.kind == "stribeck" and not self._slow_enough(extra):
+            return False
         if extra.kind in self.beyond:
             return _gains(extra, trial, now) and self._reaches_further(extra, trial, now)
         if extra.kind != "balancer":
@@ -107,6 +109,14 @@ class Choice:
             problem = self._problem(layout, self.sums.part(places), self.prior.part(places))
             left.append(rms(unseen_rms(problem, like, bounded=True)))
         return _gains(extra, replace(trial, left=left[1]), replace(now, left=left[0]))
+
+    def _slow_enough(self, extra: Extra) -> bool:
+        """Whether samples show friction at low speed where it is: those at which its bell counts,
+        at more than 1 / e of it. From its foot alone anything may rise to any height at rest."""
+        j = extra.joint - 1
+        (bell,) = range(self.whole.count)[self.whole.extra(extra)]
+        seen = self.sums.H[:, j].sum(axis=0)
+        return bool(seen[bell, bell] * np.e > seen[bell, self.whole.drive("coulomb").start + j])
 
     def _reaches_further(self, extra: Extra, trial: _Trial, now: _Trial) -> bool:
         """Whether it may cost no more at speeds, or loads, that it has not seen than it takes off

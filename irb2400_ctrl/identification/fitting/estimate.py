@@ -95,10 +95,12 @@ class FitProblem:
         if start is not None:
             widths = start.kappa
             noise = start.sigma
-        theta = _start(self.prior, self.positive)
+        # what no sample asks for stays where the file has it: a barrier would move it
+        asked = self.positive & (np.einsum("npp->p", data.H[0]) > 0.0)
+        theta = _start(self.prior, asked)
         covariance = np.zeros((len(theta), len(theta)))
         usual = 1.0
-        bounded = np.flatnonzero(self.positive)
+        bounded = np.flatnonzero(asked)
         for turn in range(rounds):
             A, b = whole._normal_equations(noise, widths)
             covariance = scaled_inverse(A)

@@ -32,6 +32,9 @@ RESTING = 0.02
 """speed and acceleration of a joint that counts as resting, over those of the fastest"""
 WIDE = 1.0
 """torque of a number that nobody knows, as a share of the joint's rms torque"""
+LIKE_DRY = 1.0
+"""[rad/s] least speed at which viscous friction may be as large as dry friction: a slow log tells
+only their sum, and what is all viscous there is many times a drive's torque at full speed"""
 GEAR_LOSS = 0.05
 """dry friction over the torque that a gear carries [-]"""
 
@@ -108,7 +111,7 @@ def prior_of(robot: Robot, layout: ColumnLayout, scale: tuple[Array, Array, Arra
     known = {"coulomb": friction[:, 1], "viscous": friction[:, 2]}
     size = {
         "coulomb": wide,
-        "viscous": wide / speed,
+        "viscous": wide / np.maximum(speed, LIKE_DRY),
         "offset": wide,
         "rotor": wide / acceleration,
     }
