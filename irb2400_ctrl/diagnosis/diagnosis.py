@@ -155,7 +155,9 @@ class Diagnosis(Displayed):
         size = rms(compared.measured)
         much = self.mostly_left > np.maximum(NEAR_FLOOR * self.least_floor, LITTLE * size)
         slow = [int(j) + 1 for j in np.flatnonzero(much)]
-        quick = () if self.noise is None else self.noise.quick.joints
+        # how a transmission swings nobody knows so well
+        swings = any(found.effect.search.device for found in self.findings)
+        quick = () if self.noise is None or swings else self.noise.quick.joints
         return self._that_count([*slow, *quick])
 
     def _that_count(self, joints: Sequence[int]) -> tuple[int, ...]:

@@ -17,7 +17,6 @@ class Search:
         repeats: one joint may have several (a gear has more than one tooth frequency).
         on_every_joint: a maker leaves it out of all joints alike, so all at once is tried too.
         comes_and_goes: tried as acting on and off too, not only from some moment on.
-        lasting: it is how an arm is built, and does not begin in the middle of a record.
         in_diagnosis: a diagnosis tries it; what `identify` fits with the base is left out there.
         usual: every robot has it, and most files leave it out: a number that the file lacks, no
             peculiarity of this arm.
@@ -37,7 +36,6 @@ class Search:
     repeats: bool = False
     on_every_joint: bool = False
     comes_and_goes: bool = False
-    lasting: bool = False
     in_diagnosis: bool = True
     usual: bool = False
     shows_moving: bool = False

@@ -32,7 +32,6 @@ class AxisCoupling(Effect):
 
     example: ClassVar[Mapping[str, Any]] = {"inertia_kgm2": 0.05, "viscous_Nms_rad": 0.5}
     ambiguity: ClassVar[Ambiguity] = COUPLING
-    search: ClassVar[Search] = Search(lasting=True)
     # the motor's friction is no straight line over the sum of two speeds
     prior: ClassVar[Prior] = Prior(discrepancy_share=0.35)
     drawing: ClassVar[Drawing] = Drawing("qd")
@@ -122,18 +121,25 @@ class AxisCoupling(Effect):
 
     @property
     def mistaken_for(self) -> str:
-        """Friction takes work out of the axes; what one gets of the other and gives back does not:
-        (D + D') qd_j qd_k is nothing."""
+        """A spindle that spins up is a coupling of axes to whoever knows no gyroscopic moments.
+
+        Its moment takes no work out of the axes, (D + D') qd_j qd_k is nothing, and begins as it is
+        switched on; gears do, and are there from the start.
+        """
         _, here, there, _, _ = self.coefficients()
-        if here * there >= 0.0 or min(abs(here), abs(there)) < GIVEN_BACK * max(
-            abs(here), abs(there)
-        ):
-            return ""
-        return (
-            f"joint {self.joint}: what this axis and joint {self.other + 1} do to each other takes "
-            "hardly any work out of them, as a gyroscopic moment (of a spindle that turns); the "
-            "friction of gears does"
-        )
+        sizes = sorted((abs(here), abs(there)))
+        which = f"joint {self.joint}: what this axis and joint {self.other + 1} do to each other"
+        if here * there < 0.0 and sizes[0] >= GIVEN_BACK * sizes[1]:
+            return (
+                f"{which} takes hardly any work out of them, as the gyroscopic moment of a spindle "
+                "that turns; the friction of gears does"
+            )
+        if self.windows_s and self.windows_s[0][0] > 0.0:
+            return (
+                f"{which} begins at {self.windows_s[0][0]:.1f} s, as the gyroscopic moment of a "
+                "spindle that is switched on; gears are there from the start"
+            )
+        return ""
 
     @classmethod
     def joints(cls, n: int) -> Sequence[int]:
@@ -160,7 +166,7 @@ class FarWristCoupling(AxisCoupling):
     """
 
     sentence: ClassVar[str] = "moving this wrist axis drags the motor of the next but one along"
-    search: ClassVar[Search] = Search(beside="wrist_coupling", lasting=True)
+    search: ClassVar[Search] = Search(beside="wrist_coupling")
 
     kind: Literal["far_wrist_coupling"] = "far_wrist_coupling"
 

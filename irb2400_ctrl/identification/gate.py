@@ -118,7 +118,7 @@ def _data_errors(information: Array) -> tuple[Array, list[Integers]]:
 def _grade(ratio: float, seen: bool, partners: Sequence[str]) -> tuple[Grade, str]:
     """The grade and why."""
     if not seen:
-        return "unknown", "its joint did not move: no torque of these motions depends on it"
+        return "unknown", "its joint did not move, or too slowly: no torque depends on it"
     if not np.isfinite(ratio):
         return "not identifiable", f"looks the same as {', '.join(partners) or 'others'} here"
     if ratio < SURE:

@@ -260,18 +260,3 @@ def test_what_pushes_all_the_time_is_a_force_alone() -> None:
     points = real.points(problem, None)
     widths = {p.form.columns.shape[1] for p in points if p.kind == "process_force" and p.form}
     assert widths == {3, 6}
-
-
-def test_what_an_arm_is_built_with_does_not_begin_in_the_middle_of_a_record() -> None:
-    """A spindle that spins up was two wrist couplings, from 9.4 and from 10.5 s on, at 0.94."""
-    m = motion()
-    real = Scan(BASES, m, np.zeros_like(m.tau), Contacts())
-    y = np.zeros((len(m.time), 6))
-    y[:, 4] = 0.5 * m.qdd[:, 4] + 0.8 * m.qd[:, 5]
-    rows = m.filtered(y)
-    noise = NoiseModel(m.row_known, ~m.row_known, np.zeros(6), 0.04, least=0.1).white(rows)
-    problem = Problem(rows, np.full((*rows.shape, 1), 1e-3), noise)
-    assert real._library(problem, "wrist_coupling", 5)
-    kinds = {point.kind for point in real.points(problem, 5)}
-    assert "viscous_change" in kinds
-    assert not kinds & {"wrist_coupling", "far_wrist_coupling", "rotor_inertia"}

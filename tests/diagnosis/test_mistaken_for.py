@@ -65,6 +65,14 @@ def test_a_coupling_that_takes_no_work_may_be_a_spindle_that_turns(
     assert coupling.mistaken_for.startswith("joint 4: what this axis and joint 5 do") == gyroscopic
 
 
+def test_a_coupling_that_begins_in_the_middle_may_be_a_spindle_that_is_switched_on() -> None:
+    """One was two couplings, from 9.4 and from 10.5 s on, at 0.94."""
+    numbers = {"viscous_Nms_rad": 0.1, "neighbour_viscous_Nms_rad": 0.4}
+    later = LIBRARY["wrist_coupling"].of(5, **numbers, windows_s=((9.37, 1e9),))
+    assert "joint 6 do to each other begins at 9.4 s" in later.mistaken_for
+    assert not LIBRARY["wrist_coupling"].of(5, **numbers).mistaken_for
+
+
 def test_such_a_force_says_what_else_it_may_be() -> None:
     log = Case(77, duration=25.0, validation_duration=3.0).simulate()[0]
     force = LIBRARY["process_force"].of(None, force_x_N=24.0, force_z_N=32.0)

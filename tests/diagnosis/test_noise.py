@@ -14,6 +14,7 @@ import irb2400_ctrl as irb
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.diagnosis.preparation import noise_test as module
 from irb2400_ctrl.diagnosis.preparation.noise_test import NoiseTest, noise_test, trimmed_rms
+from irb2400_ctrl.diagnosis.preparation.quick_rests import QuickRests
 from irb2400_ctrl.measurement import Log
 from irb2400_ctrl.measurement.torque_filter import TorqueFilter
 from irb2400_ctrl.measurement.uniform import derivative_margin
@@ -178,9 +179,10 @@ def test_of_several_logs_the_one_that_fits_worst_speaks() -> None:
         return answer
 
     filters = (None, TorqueFilter(2.0, 4.0))
-    moved: Any = SimpleNamespace(n=2, parts=(slice(0, 3), slice(3, 5)), recorders=filters)
+    moved: Any = SimpleNamespace(n=2, parts=(slice(0, 3), slice(3, 5)), recorders=filters, tau=0.0)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(module, "_on_log", on_log)
+        patch.setattr(module, "quick_rests", lambda motion, left, floor: QuickRests())
         logs: Any = [0, 3]
         unsure: Any = "open"
         rows = np.arange(5.0)[:, None] * [1, 1]

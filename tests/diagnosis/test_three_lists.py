@@ -13,6 +13,7 @@ import pytest
 from irb2400_ctrl.diagnosis import Curve, Finding, Number
 from irb2400_ctrl.diagnosis.findings import _gain
 from irb2400_ctrl.diagnosis.lists import FindingList, list_of
+from irb2400_ctrl.diagnosis.preparation.noise_test import NoiseTest
 from irb2400_ctrl.effects import LIBRARY
 from irb2400_ctrl.effects.base import OPEN_END_S
 from irb2400_ctrl.identification.reference_error import has_changed, simplest, worse_joints
@@ -329,7 +330,7 @@ def test_names_follow_the_verdict(verdict: str, said: str) -> None:
 
 def test_a_torque_without_a_name_is_told_once() -> None:
     """Joint 2 had 6.23 Nm more than noise, and 7.43 Nm unexplained."""
-    noise = SimpleNamespace(left=np.full(6, 5.0), floor=np.ones(6))
+    noise = NoiseTest(np.ones(6), np.full(6, 5.0), np.zeros(6))
     left = SimpleNamespace(rmse=np.full(6, 5.0))
     error = SimpleNamespace(error_before=left, error_recalibrated=left, error_after=left)
     found = diagnosis(finding("gear_ripple", 1, 0.1))

@@ -114,7 +114,7 @@ def test_friction_has_changed_only_where_the_log_is_better_explained_with_it() -
     after = robot.model_copy(update={"joints": tuple(joints)})
     usual, stiffer = (prepare(log(2, 0.0, factor)) for factor in (1.0, 1.3))
     told = [
-        _better_with_numbers(motion, robot, _compared(motion, robot, after, after))
+        _better_with_numbers(motion, robot, robot.effects, _compared(motion, robot, after, after))
         for motion in (usual, stiffer)
     ]
     assert told[0].tolist() == [False] * 6

@@ -82,12 +82,12 @@ class Scan(LogColumns):
     def points(
         self, problem: Problem, joint: int | None, windows: Sequence[tuple[float, float]] = ()
     ) -> list[Point]:
-        """Promising members of every effect that could act in these windows only on a joint (None:
-        on the whole arm)."""
+        """Promising members of every effect that could act in these windows on a joint (None: on
+        the whole arm)."""
         found = []
         acting = within(windows, self.motion.row_time)[:, None, None]
         for kind, at in self.families:
-            if at != joint or LIBRARY[kind].search.lasting or not self.acts_on(kind, at):
+            if at != joint or not self.acts_on(kind, at):
                 continue
             grid, always = self.laws[kind, at]
             # the filter's reach across the edges of the windows hardly matters for a first look

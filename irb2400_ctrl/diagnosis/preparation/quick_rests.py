@@ -109,7 +109,8 @@ def _sentence(moments: Moments) -> str:
     return (
         f"{when} ({starts}{more} s), {100.0 * moments.share:.1f} % of the log, several joints are "
         f"far off at once, by up to {moments.largest:.2g} Nm on joint {moments.joints[0]}, where "
-        "the rest of the log is noise: knocks, readings that stood still, or what shows seldom"
+        "the rest of the log is noise: knocks, readings that stood still, or swings and laws that "
+        "show seldom"
     )
 
 
