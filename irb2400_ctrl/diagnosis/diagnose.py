@@ -267,7 +267,7 @@ def _concluded(
     found = Diagnosis(
         given=given,
         robot=later,
-        findings=suspected(names) if selection.unsettled else names,
+        findings=suspected(names, selection.unsettled, noise.quick.moments),
         unexplained=unexplained_of(steps, fit, motion, selection.scan.load),
         recalibrated=recalibrated_terms(prior, fit, later),
         identification=compared,

@@ -6,8 +6,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 
+from irb2400_ctrl.diagnosis.comparison.confidence import LOOKALIKE_CAP
 from irb2400_ctrl.diagnosis.diagnosis import Diagnosis
 from irb2400_ctrl.diagnosis.finding import Finding
+from irb2400_ctrl.diagnosis.preparation.quick_rests import Moments
 
 ONCE = (
     "joint {joint}: what is left goes with {law}, but seconds that were not fitted are predicted "
@@ -18,12 +20,24 @@ SUSPECTED = 0.5
 chatters and a load that leaks, two were right"""
 
 
-def suspected(found: tuple[Finding, ...]) -> tuple[Finding, ...]:
-    """With no name that is sure, but of what every robot has."""
-    return tuple(
-        one if one.list == "lacks" else replace(one, confidence=min(one.confidence, SUSPECTED))
-        for one in found
-    )
+def suspected(
+    found: tuple[Finding, ...], unsettled: bool, moments: Moments | None
+) -> tuple[Finding, ...]:
+    """Names that are not as sure as their evidence.
+
+    Args:
+        found: names; unsettled: whether the search for them did not settle: then no name is sure
+            but of what every robot has.
+        moments: at which several joints are far off: readings that stand still now and then are
+            late on average, and were a delay of all joints at 0.94 to 0.97.
+    """
+
+    def most(one: Finding) -> float:
+        if unsettled and one.list != "lacks":
+            return SUSPECTED
+        return LOOKALIKE_CAP if moments and one.effect.chain == "clock" else 1.0
+
+    return tuple(replace(one, confidence=min(one.confidence, most(one))) for one in found)
 
 
 def seldom_met(found: Diagnosis, laws: Mapping[int, str]) -> list[str]:
