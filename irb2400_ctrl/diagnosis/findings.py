@@ -26,6 +26,7 @@ from irb2400_ctrl.diagnosis.lists import list_of
 from irb2400_ctrl.diagnosis.preparation.identified_prior import AnyPrior
 from irb2400_ctrl.diagnosis.regressors.predict import effect_torque
 from irb2400_ctrl.effects import Effect
+from irb2400_ctrl.effects.prior import EXACT
 from irb2400_ctrl.measurement.prepared_log import PreparedLog
 
 ACTS = 1e-3
@@ -34,6 +35,10 @@ ROUGHLY = 0.7
 """standard deviation of the numbers of springs and play about the true ones, over the share of its
 torque that their law may leave, which the noise does not show (`benchmarks/size_errors.py` counts
 how often the errors hold the true numbers)"""
+NEARLY = 0.15
+"""the same of the sizes of other effects"""
+NO_SIZES = frozenset(("phase_rad", "start_s", "stop_s"))
+"""numbers of linear laws that are none"""
 ALIKE = 0.8
 """share of a stated effect's torque along that of another from which it passes for that"""
 
@@ -151,11 +156,17 @@ def _standard_errors(fit: Fit, place: int, candidate: Candidate) -> dict[str, fl
             else:
                 found.setdefault(parameter.name, []).append(value)
     effect = fit.effects[place]
-    if not effect.search.device:
+    share = effect.prior.discrepancy_share
+    if share <= EXACT:
         return found
-    share = ROUGHLY * effect.prior.discrepancy_share
+    device = bool(effect.search.device)
+    rough = (ROUGHLY if device else NEARLY) * share
+    sizes = set(found if device else effect.linear) - NO_SIZES
     told = effect.parameters()
-    return {name: float(np.hypot(sigma, share * told[name])) for name, sigma in found.items()}
+    return {
+        name: float(np.hypot(sigma, rough * told.get(name, 0.0))) if name in sizes else sigma
+        for name, sigma in found.items()
+    }
 
 
 def unexplained_of(
