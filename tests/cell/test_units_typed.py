@@ -13,6 +13,7 @@ from irb2400_ctrl.cell.radians_typed import radians_typed
 from irb2400_ctrl.cli.planning.placing import doubts
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.planners import read_program
+from irb2400_ctrl.planners.plan_options import PlanOptions
 
 THING = '[[things]]\nname = "box"\nrole = "table"\nshapes = [{shape}]\n'
 BOX = '{ kind = "box", centre_mm = [0, 0, 0], size_mm = [9, 9, 9] }'
@@ -80,6 +81,6 @@ def test_plan_asks(tmp_path: Path) -> None:
     file = tmp_path / "part.nc"
     file.write_text("G21 G90\nG0 X0 Y0 Z40\nG1 X60 F600\n")
     placed = cell(tmp_path, PLACE + "turn_deg = [0, 0, 1.5708]\n")
-    options = {"cell": placed, "work_frame": None, "tool": None}
+    options = PlanOptions(cell=placed)
     asked = doubts(load_robot("irb2400"), read_program(file), options)
     assert any("90 degrees as radians" in question for question in asked)
