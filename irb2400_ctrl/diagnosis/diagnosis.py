@@ -155,9 +155,10 @@ class Diagnosis(Displayed):
         size = rms(compared.measured)
         much = self.mostly_left > np.maximum(NEAR_FLOOR * self.least_floor, LITTLE * size)
         slow = [int(j) + 1 for j in np.flatnonzero(much)]
-        # how a transmission swings nobody knows so well
-        swings = any(found.effect.search.device for found in self.findings)
-        quick = () if self.noise is None or swings else self.noise.quick.joints
+        # how a transmission swings, or a force sets in, nobody knows so well
+        searches = [found.effect.search for found in self.findings]
+        known = any(search.device or search.comes_and_goes for search in searches)
+        quick = () if self.noise is None or known else self.noise.quick.joints
         return self._that_count([*slow, *quick])
 
     def _that_count(self, joints: Sequence[int]) -> tuple[int, ...]:

@@ -7,9 +7,12 @@ from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
+import pytest
 
 from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.diagnosis import Diagnosis
 from irb2400_ctrl.diagnosis.preparation.quick_rests import QuickRests, quick_rests
+from irb2400_ctrl.effects import LIBRARY
 
 STEP = 0.004
 TIME = STEP * np.arange(7500)
@@ -96,5 +99,36 @@ def test_moments_at_which_several_joints_are_far_off_are_told() -> None:
     assert told(more, qd=turning).moments is not None
     turning[:, 2] = np.sign(np.sin(2 * np.pi * TIME / 0.8))
     assert told(more, qd=turning).moments is None
+    # nor a log that begins there, one of several too
+    early = np.zeros((len(TIME), 3))
+    early[60:80, :2] = 40.0
+    assert told(early).moments is None
+    early[len(TIME) // 2 + 60 : len(TIME) // 2 + 80, :2] = 40.0
+    assert told(early, parts=2).moments is None
+    assert told(early).moments is not None
     # and where the rest is no noise either, moments are not what is wrong
     assert told(more + 4.0).joints == ()
+
+
+@pytest.mark.parametrize(
+    ("kind", "over"),
+    [("gear_ripple", (2,)), ("elastic_joint", ()), ("process_force", ())],
+)
+def test_swings_and_edges_of_what_was_found_are_not_left_over(
+    kind: str, over: tuple[int, ...]
+) -> None:
+    """Three arms whose force was named rightly were unexplained for the moments it set in at."""
+    law = LIBRARY[kind]
+    effect = law.of(None if kind == "process_force" else 2, **law.example)
+    compared = SimpleNamespace(measured=np.ones((9, 3)))
+    found: Any = SimpleNamespace(
+        identification=compared,
+        mostly_left=np.ones(3),
+        least_floor=np.ones(3),
+        _news=np.ones(3, dtype=bool),
+        noise=SimpleNamespace(quick=SimpleNamespace(joints=(2,))),
+        findings=(SimpleNamespace(effect=effect),),
+        _that_count=tuple,
+    )
+    left_over: Any = Diagnosis.left_over
+    assert left_over.fget(found) == over

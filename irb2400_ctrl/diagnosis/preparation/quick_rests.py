@@ -31,6 +31,9 @@ BESIDE = 0.05
 """[s] before and after that belong to a moment"""
 TURNS = 0.1
 """[s] before and after a joint turns, when it shakes the others: no moment begins there"""
+BEGINNING = 0.5
+"""[s] of a log in which contacts and control settle: no moment begins there either (an arm with an
+offset of axis 6 had one at 0.1 s)"""
 MUCH = 0.45
 """of the noise that moments leave of the samples apart from turns [rms over rms] (0.5 and more on
 most arms whose readings stood still now and then, none at all on fifteen sound ones)"""
@@ -109,8 +112,8 @@ def _sentence(moments: Moments) -> str:
     return (
         f"{when} ({starts}{more} s), {100.0 * moments.share:.1f} % of the log, several joints are "
         f"far off at once, by up to {moments.largest:.2g} Nm on joint {moments.joints[0]}, where "
-        "the rest of the log is noise: knocks, readings that stood still, or swings and laws that "
-        "show seldom"
+        "the rest of the log is noise: knocks, edges of a force, readings that stood still, or "
+        "swings and laws that show seldom"
     )
 
 
@@ -169,6 +172,8 @@ def _moments(motion: PreparedLog, left: Array, floor: Array, least: Array) -> Mo
     turns = np.zeros(len(left), dtype=bool)
     turns[1:] = (np.diff(np.sign(motion.qd), axis=0) != 0.0).any(axis=1)
     apart = ~widened(turns, round(TURNS / motion.step))
+    for part in motion.parts:
+        apart[part.start : part.start + round(BEGINNING / motion.step)] = False
     several = apart & (np.sum(np.abs(left) > FAR * floor, axis=1) > 1)
     near = widened(several, round(BESIDE / motion.step))
     first = np.flatnonzero(np.diff(near.astype(int), prepend=0) == 1)
