@@ -9,7 +9,7 @@ from functools import lru_cache
 import numpy as np
 
 from irb2400_ctrl.arrays import Array, Mask, one_thread, rms
-from irb2400_ctrl.diagnosis.at_rest import WORSE_AT_REST, worse_at_rest
+from irb2400_ctrl.diagnosis.at_rest import WORSE_AT_REST
 from irb2400_ctrl.diagnosis.bent_numbers import BENT, beside_noise
 from irb2400_ctrl.diagnosis.comparison.criteria import Criteria
 from irb2400_ctrl.diagnosis.comparison.scan import Scan
@@ -253,14 +253,13 @@ def _concluded(
     if bent or selection.unsettled:
         told = tuple(one for one in told if one.list == "lacks")
     noise = noise_test(fitter.robot, logs.used, motion, compared.after, _unsure(searched, motion))
+    noise = replace(noise, quick=noise.quick.beside(fit.effects))
     names = findings_of(prior, steps, fit, fitter, selection.scan.load, change)
-    wrong = worse_at_rest(given, idle, compared.error_before.rmse, compared.error_after.rmse)
     weak = (
         *(*logs.remarkable, *motion.from_measured),
         f"too slow in this log for much to be said: {numbered('joint', idle)}" if idle else "",
         *(*motion.remarks, *(effect.mistaken_for for effect in fit.effects)),
         *(friction_level(prior, fit), IMPOSSIBLE if impossible else ""),
-        WORSE_AT_REST.format(joints=numbered("joint", wrong)) if wrong else "",
         *(*resting.remarks, *selection.remarks, *noise.quick.sentences, BENT if bent else ""),
     )
     other = None if validation is None else _compared(validation, given, recalibrated, later)
@@ -281,7 +280,14 @@ def _concluded(
         noise=noise,
         nameless=selection.nameless,
     )
-    return replace(found, weak=(*found.weak, *seldom_met(found, selection.seldom)))
+    return replace(found, weak=(*found.weak, *_read_off(found, selection)))
+
+
+def _read_off(found: Diagnosis, selection: Selection) -> list[str]:
+    """What only the whole answer tells: what it does to joints at rest, what was met too seldom."""
+    wrong = found.worse_at_rest
+    rest = [WORSE_AT_REST.format(joints=numbered("joint", wrong))] if wrong else []
+    return [*rest, *seldom_met(found, selection.seldom)]
 
 
 def _possible(prior: AnyPrior, fit: Fit) -> Fit:

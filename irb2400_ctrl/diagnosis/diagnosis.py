@@ -150,16 +150,17 @@ class Diagnosis(Displayed):
 
     @property
     def left_over(self) -> tuple[int, ...]:
-        """Joints (from 1) on which much more than noise is left after all that was found."""
-        compared = self.identification
-        size = rms(compared.measured)
+        """Joints (from 1) on which much is left after all that was found, or what is quicker than
+        laws are compared on."""
+        quick = () if self.noise is None else self.noise.quick.joints
+        return self._that_count([*self.much_left, *quick])
+
+    @property
+    def much_left(self) -> tuple[int, ...]:
+        """Joints (from 1) on which much more than noise is left, beside few samples."""
+        size = rms(self.identification.measured)
         much = self.mostly_left > np.maximum(NEAR_FLOOR * self.least_floor, LITTLE * size)
-        slow = [int(j) + 1 for j in np.flatnonzero(much)]
-        # how a transmission swings, or a force sets in, nobody knows so well
-        searches = [found.effect.search for found in self.findings]
-        known = any(search.device or search.comes_and_goes for search in searches)
-        quick = () if self.noise is None or known else self.noise.quick.joints
-        return self._that_count([*slow, *quick])
+        return self._that_count([int(j) + 1 for j in np.flatnonzero(much)])
 
     def _that_count(self, joints: Sequence[int]) -> tuple[int, ...]:
         """Those (from 1) that move, and on which more is left than usual."""

@@ -64,6 +64,20 @@ def test_a_guard_remembers_the_torque_that_is_sent(share: float) -> None:
     np.testing.assert_array_equal(state[at(compiled.package.state_fields, "tau_last")], tau)
 
 
+def test_a_guard_remembers_no_more_than_is_sent_of_what_the_brake_held() -> None:
+    """It takes over the weight that the brake has held, here far beyond the table's limit."""
+    block = guarded(controller("pid", ROBOT), ROBOT, consistency=False)
+    compiled = with_limit(block, 0.001)
+    table = compiled.parameters
+    table[at(compiled.package.parameter_fields, "hold")] = 0.5 * ROBOT.tau_max
+    compiled.parameters = table
+    compiled.reset()
+    for _ in range(3):
+        tau, state = pushed(compiled, 1, 0.0)
+        np.testing.assert_allclose(tau, 0.001 * ROBOT.tau_max)
+        np.testing.assert_array_equal(state[at(compiled.package.state_fields, "tau_last")], tau)
+
+
 def test_an_adaptive_law_learns_nothing_at_the_limit_of_the_table() -> None:
     block = controller("adaptive", ROBOT)
     compiled = with_limit(block, 0.001)

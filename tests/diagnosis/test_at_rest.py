@@ -4,7 +4,6 @@ holds."""
 from __future__ import annotations
 
 from dataclasses import replace
-from importlib import import_module
 from typing import Any
 
 import numpy as np
@@ -12,7 +11,7 @@ import pytest
 from independent_plant import Case
 
 from irb2400_ctrl.arrays import Array
-from irb2400_ctrl.diagnosis import diagnose
+from irb2400_ctrl.diagnosis import Diagnosis, diagnose
 from irb2400_ctrl.diagnosis.at_rest import worse_at_rest
 from irb2400_ctrl.diagnosis.estimation.fit import Fit, Fitter
 from irb2400_ctrl.diagnosis.estimation.posterior import Posterior
@@ -49,8 +48,7 @@ def log() -> Log:
 
 
 def test_a_note_names_the_joint(log: Log, monkeypatch: pytest.MonkeyPatch) -> None:
-    module = import_module("irb2400_ctrl.diagnosis.diagnose")
-    monkeypatch.setattr(module, "worse_at_rest", lambda *of: (4, 5))
+    monkeypatch.setattr(Diagnosis, "worse_at_rest", (4, 5))
     said = "more than its friction can hold (joints 4 and 5)"
     assert any(said in note for note in diagnose(ROBOT, log).weak)
 

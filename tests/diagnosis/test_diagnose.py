@@ -18,6 +18,7 @@ from irb2400_ctrl.diagnosis import Diagnosis, diagnose
 from irb2400_ctrl.diagnosis.comparison.selection import Selection
 from irb2400_ctrl.diagnosis.findings import _share
 from irb2400_ctrl.diagnosis.preparation.metrics import errors
+from irb2400_ctrl.diagnosis.preparation.quick_rests import QuickRests, Vibration
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.measurement import Log
 from irb2400_ctrl.report.elements.page import show
@@ -122,6 +123,12 @@ def test_much_more_than_noise_left_on_a_joint_is_not_explained() -> None:
     fast = replace(left, identification=replace(left.identification, noise_floor=floor))
     assert fast.left_over == (3,)
     assert replace(fast, noise=None).left_over == ()
+    # what is quicker than laws are compared on is left over, however little it is
+    assert found.noise is not None
+    hums = replace(found.noise, quick=QuickRests((Vibration(5, 20.0, 0.1),)))
+    assert replace(found, noise=hums).left_over == (5,)
+    assert replace(found, noise=hums).much_left == ()
+    assert replace(found, noise=hums).verdict == "unexplained"
     # joints that stick where they turn leave much on few samples
     few = np.zeros_like(measured)
     few[::100, 2] = 2.0 * size

@@ -87,8 +87,11 @@ def test_a_vibration_above_the_filter_is_not_called_noise() -> None:
     assert 4 in found.beyond_noise
     assert found.verdict == "unexplained"
     # half as strong as the noise, whose size alone would not tell it
-    size = 0.7 * found.noise_floor[3]
+    assert found.noise is not None
+    size = 0.7 * found.noise.floor[3]
     found = diagnose(ROBOT, with_torque(4, size * np.sin(2 * np.pi * 22.0 * time)))
+    assert found.noise is not None
+    assert found.noise.beyond == ()
     assert found.beyond_noise == (4,)
     assert found.verdict == "unexplained"
     assert any(said.startswith("a vibration of 22.0 Hz is left on joint 4") for said in found.weak)

@@ -338,7 +338,13 @@ def test_a_torque_without_a_name_is_told_once() -> None:
     found.noise = noise
     found.noise_floor = np.ones(6)
     found.identification = error
-    found.left_over = ()
+    found.left_over = found.much_left = ()
     found.beyond_noise = (2, 3)
     found.unexplained = (SimpleNamespace(joint=2),)
     assert [line.split(":")[0] for line in _why(found)] == ["Joint 3"]
+    # a note says what is quick, a line what is much, whatever else is left there
+    found.left_over = (4, 5)
+    found.much_left = (5,)
+    found.mostly_left = np.full(6, 5.0)
+    found.least_floor = np.ones(6)
+    assert [line.split(":")[0] for line in _why(found)] == ["Joint 3", "Joint 5"]

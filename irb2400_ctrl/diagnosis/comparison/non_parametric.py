@@ -14,6 +14,7 @@ from itertools import combinations
 import numpy as np
 
 from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.diagnosis.preparation.quick_rests import FASTEST
 from irb2400_ctrl.measurement.prepared_log import PreparedLog
 
 STEADY = 120.0
@@ -157,7 +158,7 @@ def vibrations(motion: PreparedLog) -> tuple[Array, Array]:
     """Frequencies [Hz] and filtered sine and cosine in time, shape (g, rows, 2): a hum that no
     motion explains."""
     span = min(motion.duration, STEADY)
-    frequency = np.arange(0.4, 9.0, 0.5 / span)
+    frequency = np.arange(0.4, FASTEST, 0.5 / span)
     gain = motion.low_pass.weights
     half = (len(gain) - 1) // 2
     offsets = np.arange(-half, half + 1) * motion.step

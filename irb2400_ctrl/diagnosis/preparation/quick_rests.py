@@ -3,11 +3,13 @@ at which several joints are far off at once."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from irb2400_ctrl.arrays import Array, Mask, rms
+from irb2400_ctrl.effects import Effect
 from irb2400_ctrl.measurement.prepared_log import PreparedLog
 from irb2400_ctrl.measurement.uniform import widened
 from irb2400_ctrl.wording import numbered
@@ -21,10 +23,10 @@ BAND = 0.5
 AROUND = 4.0
 """[Hz] on both sides, where the spectrum tells what is there without it"""
 STANDS_OUT = 60.0
-"""times the spectrum around it that a vibration's peak is at least (119 and more of an unbalanced
-spindle; 21 at most of twelve sound arms, 18 of five real ones)"""
+"""times the spectrum around it that a vibration's peak is at least; `benchmarks/quick_rests.py`
+counts arms that have one and arms that have none"""
 LOUD = 0.35
-"""of the noise that a vibration has at least [rms over rms] (0.27 at most of the sound arms)"""
+"""of the noise that a vibration has at least [rms over rms]"""
 FAR = 5.0
 """times the noise from which a joint is far off"""
 BESIDE = 0.05
@@ -32,11 +34,9 @@ BESIDE = 0.05
 TURNS = 0.1
 """[s] before and after a joint turns, when it shakes the others: no moment begins there"""
 BEGINNING = 0.5
-"""[s] of a log in which contacts and control settle: no moment begins there either (an arm with an
-offset of axis 6 had one at 0.1 s)"""
+"""[s] of a log in which contacts and control settle: no moment begins there either"""
 MUCH = 0.45
-"""of the noise that moments leave of the samples apart from turns [rms over rms] (0.5 and more on
-most arms whose readings stood still now and then, none at all on fifteen sound ones)"""
+"""of the noise that moments leave of the samples apart from turns, at least [rms over rms]"""
 REST = 2.0
 """times the noise that is left of the other samples, above which nothing is said of moments; times
 as many as they the other samples are at least"""
@@ -83,6 +83,12 @@ class QuickRests:
         moments = () if self.moments is None else self.moments.joints
         return tuple(sorted({*(one.joint for one in self.vibrations), *moments}))
 
+    def beside(self, effects: Sequence[Effect]) -> QuickRests:
+        """Without moments where a transmission that swings, or a force that comes and goes, was
+        found: nobody knows so well how the one swings and the other sets in."""
+        known = any(e.search.device or e.search.comes_and_goes for e in effects)
+        return replace(self, moments=None) if known else self
+
     @property
     def sentences(self) -> tuple[str, ...]:
         """For notes."""
@@ -112,8 +118,7 @@ def _sentence(moments: Moments) -> str:
     return (
         f"{when} ({starts}{more} s), {100.0 * moments.share:.1f} % of the log, several joints are "
         f"far off at once, by up to {moments.largest:.2g} Nm on joint {moments.joints[0]}, where "
-        "the rest of the log is noise: knocks, edges of a force, readings that stood still, or "
-        "swings and laws that show seldom"
+        "the rest of the log is noise: knocks, readings that stood still, or what shows seldom"
     )
 
 

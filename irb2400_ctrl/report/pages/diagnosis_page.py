@@ -290,7 +290,7 @@ def _why(diagnosis: Diagnosis) -> list[str]:
         f"Joint {j}: {diagnosis.mostly_left[j - 1]:.2f} Nm rms are left, noise is "
         f"{diagnosis.least_floor[j - 1]:.2f}"
         for j in told
-        if noise is None or j not in noise.quick.joints
+        if j in diagnosis.much_left
     ]
     return found + worse_here(diagnosis) + worse_elsewhere(diagnosis)
 
