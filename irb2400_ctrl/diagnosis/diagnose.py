@@ -252,8 +252,8 @@ def _concluded(
     told = (*told, *moved_as_by_a_load(selection.scan, fitter, searched, change))
     if bent or selection.unsettled:
         told = tuple(one for one in told if one.list == "lacks")
-    noise = noise_test(fitter.robot, logs.used, motion, compared.after, _unsure(searched, motion))
-    noise = replace(noise, quick=noise.quick.beside(fit.effects))
+    unsure = _unsure(searched, motion)
+    noise = noise_test(fitter.robot, logs.used, motion, compared.after, unsure, fit.effects)
     names = findings_of(prior, steps, fit, fitter, selection.scan.load, change)
     weak = (
         *(*logs.remarkable, *motion.from_measured),

@@ -27,6 +27,8 @@ SHORT = 1.0
 """[s]"""
 UNLIKE = 2.0
 """times as long the longest is as the shortest"""
+A_MOMENT = 0.2
+"""[s], as long as readings may stand still"""
 
 
 class ProcessForce(Effect):
@@ -84,8 +86,15 @@ class ProcessForce(Effect):
     @property
     def mistaken_for(self) -> str:
         """A liquid at the tool and a load that knocks in its grip were forces of many short pushes
-        of unlike lengths, at 0.86 to 0.94; cuts and contacts last longer, or one like the other."""
+        of unlike lengths, at 0.86 to 0.94; cuts and contacts last longer, or one like the other.
+        Torques that stood still for 0.06 s and 0.15 s were forces at 0.96 and 0.98."""
         lasting = [stop - start for start, stop in self.windows_s]
+        if lasting and max(lasting) < A_MOMENT:
+            return (
+                f"{self.kind} at {self.windows_s[0][0]:.1f} s: it lasts {max(lasting):.2f} s, and "
+                "for so long readings may stand still, too: look at the torques there as they were "
+                "recorded"
+            )
         if len(lasting) < FEW or min(lasting) > SHORT or max(lasting) < UNLIKE * min(lasting):
             return ""
         return (

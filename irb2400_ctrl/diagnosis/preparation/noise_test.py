@@ -12,6 +12,7 @@ from scipy.stats import norm
 
 from irb2400_ctrl.arrays import Array, Mask
 from irb2400_ctrl.diagnosis.preparation.quick_rests import QuickRests, quick_rests
+from irb2400_ctrl.effects import Effect
 from irb2400_ctrl.measurement.log import Log
 from irb2400_ctrl.measurement.log_facts import digit
 from irb2400_ctrl.measurement.prepared_log import PreparedLog
@@ -65,14 +66,19 @@ class NoiseTest:
 
 
 def noise_test(
-    robot: Robot, logs: Sequence[Log], motion: PreparedLog, predicted: Array, unsure: Array
+    robot: Robot,
+    logs: Sequence[Log],
+    motion: PreparedLog,
+    predicted: Array,
+    unsure: Array,
+    effects: Sequence[Effect] = (),
 ) -> NoiseTest:
     """Of a prediction along the motion of these logs (m, n) [Nm], on the samples as they were
     recorded; per joint on the log that fits worst.
 
     Args:
         unsure: standard error of the prediction, from numbers that the log leaves open, shape (n,)
-            [Nm].
+            [Nm]; effects: that the prediction holds.
     """
     tests = [
         _on_log(robot, log, motion, part, predicted[part], unsure, recorder)
@@ -86,7 +92,7 @@ def noise_test(
         floor,
         np.array([test.left for test in tests])[worst, joint],
         np.max([test.means for test in tests], axis=0),
-        quick_rests(motion, motion.tau - predicted, floor),
+        quick_rests(motion, motion.tau - predicted, floor, effects),
     )
 
 

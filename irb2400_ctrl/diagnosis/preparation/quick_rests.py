@@ -4,7 +4,7 @@ at which several joints are far off at once."""
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -35,6 +35,8 @@ TURNS = 0.1
 """[s] before and after a joint turns, when it shakes the others: no moment begins there"""
 BEGINNING = 0.5
 """[s] of a log in which contacts and control settle: no moment begins there either"""
+SETS_IN = 0.5
+"""[s] before and after a force acts, in which it sets in or fades away"""
 MUCH = 0.45
 """of the noise that moments leave of the samples apart from turns, at least [rms over rms]"""
 REST = 2.0
@@ -83,12 +85,6 @@ class QuickRests:
         moments = () if self.moments is None else self.moments.joints
         return tuple(sorted({*(one.joint for one in self.vibrations), *moments}))
 
-    def beside(self, effects: Sequence[Effect]) -> QuickRests:
-        """Without moments where a transmission that swings, or a force that comes and goes, was
-        found: nobody knows so well how the one swings and the other sets in."""
-        known = any(e.search.device or e.search.comes_and_goes for e in effects)
-        return replace(self, moments=None) if known else self
-
     @property
     def sentences(self) -> tuple[str, ...]:
         """For notes."""
@@ -122,12 +118,14 @@ def _sentence(moments: Moments) -> str:
     )
 
 
-def quick_rests(motion: PreparedLog, left: Array, floor: Array) -> QuickRests:
+def quick_rests(
+    motion: PreparedLog, left: Array, floor: Array, effects: Sequence[Effect]
+) -> QuickRests:
     """Whatever there is of them.
 
     Args:
         motion: along which it was left; left: measured minus predicted torque, shape (m, n) [Nm];
-        floor: rms of the noise, shape (n,) [Nm].
+        floor: rms of the noise, shape (n,) [Nm]; effects: that were found.
     """
     left = np.where(motion.known, left, 0.0)
     enough = LITTLE * rms(motion.tau)
@@ -137,7 +135,19 @@ def quick_rests(motion: PreparedLog, left: Array, floor: Array) -> QuickRests:
         if (found := _vibration(j, motion, left[:, j], max(LOUD * floor[j], enough[j])))
     ]
     least = np.maximum(MUCH * floor, enough)
-    return QuickRests(tuple(vibrations), _moments(motion, left, floor, least))
+    return QuickRests(tuple(vibrations), _moments(motion, left, floor, least, effects))
+
+
+def _roughly_known(motion: PreparedLog, effects: Sequence[Effect]) -> Mask:
+    """Samples, shape (m,), at which a transmission swings, or a force acts or sets in: nobody knows
+    so well how."""
+    rough = np.zeros(len(motion.time), dtype=bool)
+    for effect in effects:
+        if effect.search.device:
+            rough[:] = True
+        if effect.search.comes_and_goes:
+            rough |= widened(effect.active(motion.time), round(SETS_IN / motion.step))
+    return rough
 
 
 def _vibration(j: int, motion: PreparedLog, left: Array, least: float) -> Vibration | None:
@@ -170,13 +180,15 @@ def _line(left: Array, known: Mask, step: float) -> tuple[float, float]:
     return float(frequency[peak]), float(np.sqrt(max(power, 0.0) / max(known.mean(), 1e-3)))
 
 
-def _moments(motion: PreparedLog, left: Array, floor: Array, least: Array) -> Moments | None:
+def _moments(
+    motion: PreparedLog, left: Array, floor: Array, least: Array, effects: Sequence[Effect]
+) -> Moments | None:
     """Moments apart from turns at which what is left of several joints is far beyond noise; None
     where no joint has so much of them, shape (n,) [Nm rms], beside noise."""
     floor = np.maximum(floor, 1e-12)
     turns = np.zeros(len(left), dtype=bool)
     turns[1:] = (np.diff(np.sign(motion.qd), axis=0) != 0.0).any(axis=1)
-    apart = ~widened(turns, round(TURNS / motion.step))
+    apart = ~widened(turns, round(TURNS / motion.step)) & ~_roughly_known(motion, effects)
     for part in motion.parts:
         apart[part.start : part.start + round(BEGINNING / motion.step)] = False
     several = apart & (np.sum(np.abs(left) > FAR * floor, axis=1) > 1)
