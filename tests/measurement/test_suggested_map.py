@@ -75,6 +75,7 @@ NAMES = {
         "Position_Command_A{j}": DEG + 9.0,
     },
     "forces of joints": {"t": T, "Joint{j}_Pos": Q, "Joint{j}_Force": TAU, "tcp_force_{j}": 0 * Q},
+    "and in short": {"t": T, "j{j}_pos": Q, "j{j}_force": TAU, "tool_force_{j}": 0 * Q},
     "units in words": {"time_s": T, "q{j}_rad": Q, "joint_measured_torque_{j}_nm": TAU},
     "commanded torque alone": {
         "Time": T,
