@@ -13,7 +13,8 @@ off for it, is counted apart.
 from __future__ import annotations
 
 import argparse
-from typing import Any
+from collections.abc import Callable
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -115,8 +116,17 @@ def presliding(qd: np.ndarray, coulomb: np.ndarray, travel: np.ndarray) -> np.nd
     return coulomb * z
 
 
-def torques(frames: list[np.ndarray], rows: np.ndarray, q: np.ndarray) -> list[np.ndarray]:
-    """[Nm] of bodies alone, with speed and acceleration, (m, n) each."""
+class Motion(NamedTuple):
+    """What a motion asks of the bodies alone; all (m, n) at `RATE`."""
+
+    q: np.ndarray
+    tau: np.ndarray
+    qd: np.ndarray
+    qdd: np.ndarray
+
+
+def moved(frames: list[np.ndarray], rows: np.ndarray, q: np.ndarray) -> Motion:
+    """Of these bodies along these angles, (m, n)."""
     import pinocchio as pin
 
     model = pin.Model()
@@ -130,7 +140,75 @@ def torques(frames: list[np.ndarray], rows: np.ndarray, q: np.ndarray) -> list[n
     qd = np.gradient(q, 1 / RATE, axis=0)
     qdd = np.gradient(qd, 1 / RATE, axis=0)
     tau = np.array([pin.rnea(model, data, *row) for row in zip(q, qd, qdd, strict=True)])
-    return [tau, qd, qdd]
+    return Motion(q, tau, qd, qdd)
+
+
+Change = Callable[[Motion, np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray]]
+"""angles and torques that are recorded of an arm, from its motion, its torques and its friction's
+share of the Coulomb level, each (m, n)"""
+
+
+class DrawnArm:
+    """Bodies in a chain, with the drives of a real one and a recorder, drawn."""
+
+    def __init__(
+        self, rng: np.random.Generator, chain: list[np.ndarray], motions: list[Motion]
+    ) -> None:
+        first = motions[0]
+        n = len(chain)
+        torque = np.concatenate([moved.tau for moved in motions])
+        self.scale = np.sqrt(np.mean(torque**2, axis=0))
+        self.speed = np.sqrt(np.mean(first.qd**2, axis=0))
+        self.push = np.sqrt(np.mean(first.qdd**2, axis=0))
+        self.coulomb = rng.uniform(0.05, 0.5, n) * self.scale
+        self.viscous = rng.uniform(0.05, 0.4, n) * self.scale / self.speed
+        self.rotor = rng.uniform(0.0, 0.4, n) * self.scale / self.push
+        self.offset = rng.normal(0.0, 0.05, n) * self.scale
+        self.travel = np.radians(np.exp(rng.uniform(np.log(0.05), np.log(1.5), n)))
+        self.loaded = rng.uniform(0.0, 0.08)
+        self.power = rng.uniform(0.5, 1.0)
+        self.ripple = rng.uniform(0.0, 0.03, n) * self.scale
+        self.order = rng.choice([4.0, 20.0, 100.0], n)
+        self.noise = rng.uniform(0.01, 0.08, n) * self.scale
+        self.memory = np.exp(-1.0 / (RATE * rng.uniform(0.002, 0.05)))
+        self.digit = float(rng.choice([0.0, 1e-5, 1e-4]))
+        self.reads_speed = rng.random() < 0.5
+
+    def log(
+        self,
+        rng: np.random.Generator,
+        moved: Motion,
+        rate: float,
+        name: str,
+        change: Change | None = None,
+    ) -> Log:
+        """What is recorded of a motion.
+
+        Args:
+            rng: for the noise; moved: the motion.
+            rate: of the log [Hz]; name: of it.
+            change: what has become of the arm, or of its recorder.
+        """
+        q, tau, qd, qdd = moved
+        dry = presliding(qd, np.ones(q.shape[1]), self.travel)
+        friction = dry * (self.coulomb + self.loaded * np.abs(tau))
+        tau = tau + self.rotor * qdd + self.offset + friction
+        relative = np.abs(qd) / self.speed
+        tau = tau + self.viscous * np.sign(qd) * self.speed * relative**self.power
+        tau = tau + self.ripple * np.sin(self.order * q)
+        if change is not None:
+            q, tau = change(moved, tau, dry)
+        white = rng.normal(size=q.shape)
+        colour = np.zeros_like(q)
+        for i in range(1, len(q)):
+            colour[i] = self.memory * colour[i - 1] + np.sqrt(1 - self.memory**2) * white[i]
+        tau = tau + self.noise * colour
+        seen = q if self.digit == 0.0 else self.digit * np.round(q / self.digit)
+        known = qd + 1e-3 * rng.normal(size=q.shape) if self.reads_speed else None
+        rows = slice(0, None, round(RATE / rate))
+        time = np.arange(len(q))[rows] / RATE
+        speed = None if known is None else known[rows]
+        return Log(time, seen[rows], tau[rows], qd=speed, name=name)
 
 
 def drawn_case(seed: int) -> Case:
@@ -146,51 +224,11 @@ def drawn_case(seed: int) -> Case:
     seconds = rng.uniform(10.0, 30.0)
     first = str(rng.choice(["sines", "poses"]))
     moves = [(first, seconds), (first, LONGEST), ("sines", LONGEST)]
-    parts = []
-    for kind, length in moves:
-        q = motion(rng, n, length, kind)
-        parts.append((q, *torques(chain, true, q)))
-    scale = np.sqrt(np.mean(np.concatenate([tau for _, tau, _, _ in parts]) ** 2, axis=0))
-    speed = np.sqrt(np.mean(parts[0][2] ** 2, axis=0))
-    push = np.sqrt(np.mean(parts[0][3] ** 2, axis=0))
-    coulomb = rng.uniform(0.05, 0.5, n) * scale
-    viscous = rng.uniform(0.05, 0.4, n) * scale / speed
-    rotor = rng.uniform(0.0, 0.4, n) * scale / push
-    offset = rng.normal(0.0, 0.05, n) * scale
-    travel = np.radians(np.exp(rng.uniform(np.log(0.05), np.log(1.5), n)))
-    loaded = rng.uniform(0.0, 0.08)
-    power = rng.uniform(0.5, 1.0)
-    ripple = rng.uniform(0.0, 0.03, n) * scale
-    order = rng.choice([4.0, 20.0, 100.0], n)
-    noise = rng.uniform(0.01, 0.08, n) * scale
-    memory = np.exp(-1.0 / (RATE * rng.uniform(0.002, 0.05)))
-    digit = float(rng.choice([0.0, 1e-5, 1e-4]))
-    reads = rng.random() < 0.5
-    every = round(RATE / rate)
-    logs = []
-    for k, (q, tau, qd, qdd) in enumerate(parts):
-        dry = presliding(qd, np.ones(n), travel)
-        tau = tau + rotor * qdd + offset + dry * (coulomb + loaded * np.abs(tau))
-        tau = tau + viscous * np.sign(qd) * speed * (np.abs(qd) / speed) ** power
-        tau = tau + ripple * np.sin(order * q)
-        white = rng.normal(size=q.shape)
-        colour = np.zeros_like(q)
-        for i in range(1, len(q)):
-            colour[i] = memory * colour[i - 1] + np.sqrt(1 - memory**2) * white[i]
-        tau = tau + noise * colour
-        seen = q if digit == 0.0 else digit * np.round(q / digit)
-        known = qd + 1e-3 * rng.normal(size=q.shape) if reads else None
-        rows = slice(0, None, every)
-        time = np.arange(len(q))[rows] / RATE
-        logs.append(
-            Log(
-                time,
-                seen[rows],
-                tau[rows],
-                qd=None if known is None else known[rows],
-                name=f"{robot.name}, motion {k + 1}",
-            )
-        )
+    motions = [moved(chain, true, motion(rng, n, length, kind)) for kind, length in moves]
+    drawn = DrawnArm(rng, chain, motions)
+    logs = [
+        drawn.log(rng, one, rate, f"{robot.name}, motion {k + 1}") for k, one in enumerate(motions)
+    ]
     name = f"{n} axes, {seconds:.0f} s of {first} at {rate:.0f} Hz, bodies off by {wrong:.0%}"
     return Case(name, robot, logs[:1], logs[1:])
 
