@@ -180,13 +180,17 @@ def test_of_several_logs_the_one_that_fits_worst_speaks() -> None:
 
     filters = (None, TorqueFilter(2.0, 4.0))
     moved: Any = SimpleNamespace(n=2, parts=(slice(0, 3), slice(3, 5)), recorders=filters, tau=0.0)
+    rests: list[Any] = []
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(module, "_on_log", on_log)
-        patch.setattr(module, "quick_rests", lambda motion, left, floor: QuickRests())
+        patch.setattr(module, "quick_rests", lambda *given: rests.append(given) or QuickRests())
         logs: Any = [0, 3]
         unsure: Any = "open"
+        effects: Any = ["a force"]
         rows = np.arange(5.0)[:, None] * [1, 1]
-        found = noise_test(ROBOT, logs, moved, rows, unsure)
+        found = noise_test(ROBOT, logs, moved, rows, unsure, effects)
+    ((_, _, floor, known),) = rests
+    assert (known, [*floor]) == (effects, [1.0, 0.0])
     np.testing.assert_array_equal(found.floor, [1.0, 0.0])
     np.testing.assert_array_equal(found.left, [3.0, 1.0])
     np.testing.assert_array_equal(found.means, [0.6, 7.0])

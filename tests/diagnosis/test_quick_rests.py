@@ -32,12 +32,14 @@ def told(
     """Of noise and something more (m, 3), over the noise, beside torques of a size over it."""
     noise = np.random.default_rng(3).normal(size=(len(TIME), 3))
     edges = np.linspace(0, len(TIME), parts + 1).astype(int)
+    qd = np.ones((len(TIME), 3)) if qd is None else qd
     motion: Any = SimpleNamespace(
         n=3,
         step=STEP,
         time=TIME,
         tau=np.full((len(TIME), 3), load) * FLOOR,
-        qd=np.ones((len(TIME), 3)) if qd is None else qd,
+        q=np.cumsum(qd, axis=0) * STEP,
+        qd=qd,
         known=np.ones((len(TIME), 3), dtype=bool) if known is None else known,
         parts=[slice(*both) for both in pairwise(edges)],
     )
@@ -132,6 +134,18 @@ def test_moments_at_which_several_joints_are_far_off_are_told() -> None:
     # and where the rest is no noise either, moments are not what is wrong
     assert told(more + 4.0).joints == ()
     assert told(more + np.array([2.5, 2.5, 0.0])).joints == ()
+
+
+@pytest.mark.parametrize(
+    ("turns_at", "speed", "told_of"), [(1.85, 0.05, False), (1.85, 1.0, True), (1.3, 1e-3, True)]
+)
+def test_a_joint_that_does_not_slide_yet_is_no_moment(
+    turns_at: float, speed: float, told_of: bool
+) -> None:
+    """Arms that went from pose to pose were unexplained for the friction at which they start."""
+    qd = np.ones((len(TIME), 3))
+    qd[:, 2] = np.where(turns_at > TIME, -1.0, speed)
+    assert (told(knocks(2.0), qd=qd).moments is not None) == told_of
 
 
 @pytest.mark.parametrize("kind", ["elastic_joint", "transmission_backlash"])

@@ -71,7 +71,7 @@ def noise_test(
     motion: PreparedLog,
     predicted: Array,
     unsure: Array,
-    effects: Sequence[Effect] = (),
+    effects: Sequence[Effect],
 ) -> NoiseTest:
     """Of a prediction along the motion of these logs (m, n) [Nm], on the samples as they were
     recorded; per joint on the log that fits worst.

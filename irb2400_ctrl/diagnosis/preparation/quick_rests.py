@@ -33,6 +33,10 @@ BESIDE = 0.05
 """[s] before and after that belong to a moment"""
 TURNS = 0.1
 """[s] before and after a joint turns, when it shakes the others: no moment begins there"""
+SLIDES = 0.02
+"""[rad] from a turn to where a contact slides; no moment begins on the way there"""
+STARTS = 0.5
+"""[s] that way takes at most; what is slower rests"""
 BEGINNING = 0.5
 """[s] of a log in which contacts and control settle: no moment begins there either"""
 SETS_IN = 0.5
@@ -138,6 +142,19 @@ def quick_rests(
     return QuickRests(tuple(vibrations), _moments(motion, left, floor, least, effects))
 
 
+def _around_turns(motion: PreparedLog) -> Mask:
+    """Samples, shape (m,), around which a joint turns, starts or stops: it shakes the others, and
+    until it slides its friction is not what it is afterwards."""
+    rows = np.arange(len(motion.time))[:, None]
+    turns = np.zeros(motion.qd.shape, dtype=bool)
+    turns[1:] = np.diff(np.sign(motion.qd), axis=0) != 0.0
+    last = np.maximum.accumulate(np.where(turns, rows, 0), axis=0)
+    travelled = np.abs(motion.q - np.take_along_axis(motion.q, last, axis=0))
+    starting = (travelled < SLIDES) & ((rows - last) * motion.step < STARTS)
+    shaken = widened(np.any(turns, axis=1), round(TURNS / motion.step))
+    return np.asarray(shaken | np.any(starting, axis=1))
+
+
 def _roughly_known(motion: PreparedLog, effects: Sequence[Effect]) -> Mask:
     """Samples, shape (m,), at which a transmission swings, or a force acts or sets in: nobody knows
     so well how."""
@@ -186,9 +203,7 @@ def _moments(
     """Moments apart from turns at which what is left of several joints is far beyond noise; None
     where no joint has so much of them, shape (n,) [Nm rms], beside noise."""
     floor = np.maximum(floor, 1e-12)
-    turns = np.zeros(len(left), dtype=bool)
-    turns[1:] = (np.diff(np.sign(motion.qd), axis=0) != 0.0).any(axis=1)
-    apart = ~widened(turns, round(TURNS / motion.step)) & ~_roughly_known(motion, effects)
+    apart = ~_around_turns(motion) & ~_roughly_known(motion, effects)
     for part in motion.parts:
         apart[part.start : part.start + round(BEGINNING / motion.step)] = False
     several = apart & (np.sum(np.abs(left) > FAR * floor, axis=1) > 1)
