@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from irb2400_ctrl.arrays import Array
-from irb2400_ctrl.cell import Cell, CellTool
+from irb2400_ctrl.cell import Cell, CellTool, with_tool
 from irb2400_ctrl.cell.external_axes import ExternalAxes
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.given import positive
@@ -108,6 +108,11 @@ class PlanOptions:
             )
         return self.cell.tool(self.tool)
 
+    def armed(self, robot: Robot) -> Robot:
+        """The arm with the TCP at the tip of what is in its spindle."""
+        tool = self.in_spindle
+        return robot if tool is None else with_tool(robot, tool)
+
     @property
     def rail(self) -> float | None:
         """Where on its rail the carriage stands [m]; None without a rail, and where it moves."""
@@ -157,7 +162,7 @@ class PlanOptions:
         placed = self.placed(path)
         if self.external is None:
             return placed
-        orientation = self.shaped(path, robot.spindle_axis, Model(robot))
+        orientation = self.shaped(path, robot.spindle_axis, Model(self.armed(robot)))
         origin = orientation.curve.origin
         u = np.searchsorted(origin, np.arange(len(path)), side="right").astype(float)
         return placed.carried(self.external.turned(orientation.external(u)))

@@ -8,7 +8,7 @@ from dataclasses import replace
 from numpy.typing import ArrayLike
 
 from irb2400_ctrl.arrays import Array, one_thread
-from irb2400_ctrl.cell import Cell, Scene, with_tool
+from irb2400_ctrl.cell import Cell, Scene
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.planners.certify import certify
 from irb2400_ctrl.planners.enclosure.path_dynamics import path_dynamics
@@ -132,13 +132,11 @@ def plan_ways(
     """
     clock = StageClock(options.progress)
     with clock.stage("model"):
-        tool = options.in_spindle
         external = options.external
-        arm = robot if tool is None else with_tool(robot, tool)
         beside = () if external is None else (len(external), external.carriage)
-        dynamics = path_dynamics(arm, *beside)
+        dynamics = path_dynamics(options.armed(robot), *beside)
         model = dynamics.model
-        scene = Scene.of(model, robot, options.cell, tool)
+        scene = Scene.of(model, robot, options.cell, options.in_spindle)
     with clock.stage("curve"):
         orientation = options.shaped(path, robot.spindle_axis, model)
     with clock.stage("branch and rotation") as told:

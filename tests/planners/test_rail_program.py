@@ -10,7 +10,9 @@ from irb2400_ctrl.cell import Cell
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.formats import PlanFile
 from irb2400_ctrl.model import Model
-from irb2400_ctrl.planners import ProgramPlan, plan_program, read_program
+from irb2400_ctrl.planners import ProgramPlan, ToolPath, plan_program, read_program
+from irb2400_ctrl.planners.plan_options import PlanOptions
+from irb2400_ctrl.planners.plan_path import plan_asked
 from irb2400_ctrl.planners.programs.rapid.rapid_of_plan import rapid_of_motion
 
 ROBOT = load_robot("irb2400")
@@ -122,3 +124,27 @@ def test_a_module_does_not_go_on_with_the_carriage_elsewhere(found: ProgramPlan)
 def test_places_beyond_the_rail_are_refused() -> None:
     with pytest.raises(ValueError, match="FAR: found 4200"):
         cell({"FAR": 4200.0})
+
+
+def test_way_points_are_seen_with_the_tool_of_the_cell() -> None:
+    tip = {"kind": "cylinder", "from_mm": [0, 0, -25], "to_mm": [0, 0, 0], "radius_mm": 5}
+    moving = Cell.model_validate(
+        {
+            "name": "rail",
+            "tools": [{"name": "long", "offset_mm": [0, 0, 200], "shapes": [tip]}],
+            "work_object": {"place_mm": [900, 0, 200]},
+            "rail": {
+                "direction": [0, 1, 0],
+                "range_mm": [-500, 3500],
+                "position_mm": "move",
+                "speed_mm_s": 1500,
+                "acceleration_mm_s2": 2500,
+            },
+        }
+    )
+    options = PlanOptions(cell=moving, tool="long")
+    along = np.linspace(0, 3, 20)[:, None] * [0.0, 1.0, 0.0]
+    path = ToolPath(along, np.tile([0.0, 0.0, 1.0], (20, 1)), feed=np.full(20, 1.0), name="way")
+    planned = plan_asked(ROBOT, path, options)
+    tips = Model(planned.robot).tcp_pose(planned.trajectory.q[[0, -1]])[:, :3, 3]
+    assert np.abs(options.seen(path, ROBOT).position[[0, -1]] - tips).max() < 1e-3

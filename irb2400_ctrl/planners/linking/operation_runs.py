@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from irb2400_ctrl.arrays import Array, Integers
-from irb2400_ctrl.cell import Scene, with_tool
+from irb2400_ctrl.cell import Scene
 from irb2400_ctrl.errors import UnreachableError
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.planners.clearance import cutting_moves
@@ -190,11 +190,10 @@ class Split:
         orientation = shape_path(part.path, self.robot.spindle_axis, self.options.tolerance)
         held = orientation.curve.full and not self.options.free_tool_rotation
         u = stations(orientation)
-        tool = self.options.in_spindle
-        model = Model(self.robot if tool is None else with_tool(self.robot, tool))
+        model = Model(self.options.armed(self.robot))
         ladder = Ladder.of(model, orientation, u, np.zeros(1) if held else GRID)
         ladder = self.way_out(part).kept(ladder, orientation)
-        scene = Scene.of(model, self.robot, self.options.cell, tool)
+        scene = Scene.of(model, self.robot, self.options.cell, self.options.in_spindle)
         if scene is not None:
             moves = cutting_moves(part.path, orientation.spindle)
             ladder = ladder.free_of(scene, cutting_at(orientation.curve, moves, u))
