@@ -24,6 +24,11 @@ DEGREES = 4 * np.pi
 def joint_table(joint: TreeJoint, notes: list[str]) -> dict[str, Any]:
     """Limits and friction of one joint; appends to `notes` what was not believed."""
     table: dict[str, Any] = {"name": joint.name, "limits": _limits(joint, notes)}
+    if joint.unread:
+        notes.append(
+            f"joint {joint.name}: not read: {', '.join(joint.unread)}; URDF has damping and "
+            "friction in one <dynamics> (armature is read, too)"
+        )
     friction: dict[str, Any] = {}
     if joint.damping:
         friction["viscous_Nms_rad"] = joint.damping

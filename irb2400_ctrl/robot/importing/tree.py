@@ -84,6 +84,8 @@ class TreeJoint:
     """of the joint that it follows"""
     offset: float = 0.0
     """[rad]"""
+    unread: tuple[str, ...] = ()
+    """what the file says of it in words that mean nothing in this format"""
 
 
 @dataclass(frozen=True)

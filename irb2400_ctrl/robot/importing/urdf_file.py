@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import xml.etree.ElementTree as ET
-from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
@@ -13,10 +12,15 @@ from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.robot.importing.geometry import Geometry
 from irb2400_ctrl.robot.importing.mjcf_orientation import from_quaternion
 from irb2400_ctrl.robot.importing.tree import COARSE, ROUNDED, Mass, Tree, TreeJoint, pose
-from irb2400_ctrl.robot.importing.urdf_transmissions import Gear, gears
+from irb2400_ctrl.robot.importing.urdf_transmissions import Driven, gears, springs
 
 KINDS = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar")
 SOFT = ("soft_lower_limit", "soft_upper_limit")
+INNER = ("origin", "parent", "child", "axis", "limit", "dynamics", "mimic")
+UNUSED = ("calibration", "safety_controller")
+"""elements of a joint: those that are read once, and those that say nothing of its motion"""
+NUMBERS = ("damping", "friction", "armature")
+"""of `<dynamics>`; the last one is MuJoCo's and Genesis', not URDF's own"""
 MOST_TURN = 7.0
 """angle of a frame above which it cannot be meant in radians"""
 
@@ -40,8 +44,8 @@ def read_urdf(path: Path, root: ET.Element) -> Tree:
         if doubled:
             raise InputError(f"{path}: {tag} {doubled[0]} is there {names.count(doubled[0])} times")
     links = {_name(path, link, "link"): _mass(path, link) for link in root.findall("link")}
-    geared = gears(root)
-    joints = tuple(_joint(path, joint, geared) for joint in root.findall("joint"))
+    driven = Driven(gears(root), springs(root))
+    joints = tuple(_joint(path, joint, driven) for joint in root.findall("joint"))
     for joint in joints:
         for link in (joint.parent, joint.child):
             if link not in links:
@@ -57,7 +61,7 @@ def read_urdf(path: Path, root: ET.Element) -> Tree:
     name = root.get("name") or path.stem
     rounded = _rounded_angles(root)
     notes = [f"quarter turns of few digits (1.5708) are read as exact ones: {rounded} rpy"]
-    notes = [*notes[: min(rounded, 1)], *_coarse_angles(root)]
+    notes = [*notes[: min(rounded, 1)], *_coarse_angles(root), *_two_bodies(root)]
     source = f"imported from {path.name} (URDF)"
     shapes = {_name(path, link, "link"): _shapes(path, link) for link in root.findall("link")}
     return Tree(name, source, links, joints, notes=tuple(notes), shapes=shapes, drawn=True)
@@ -84,13 +88,13 @@ def _is_xacro(root: ET.Element) -> bool:
     )
 
 
-def _joint(path: Path, element: ET.Element, geared: Mapping[str, Gear]) -> TreeJoint:
+def _joint(path: Path, element: ET.Element, driven: Driven) -> TreeJoint:
     """One joint.
 
     Args:
         path: of the file, for messages.
         element: its own.
-        geared: what the transmissions say, by joint.
+        driven: what the rest of the file says of motors and springs.
     """
     name = _name(path, element, "joint")
     limit = element.find("limit")
@@ -99,7 +103,11 @@ def _joint(path: Path, element: ET.Element, geared: Mapping[str, Gear]) -> TreeJ
     kind = element.get("type", "")
     axis = element.find("axis")
     where = f"{path}: joint {name}"
-    gear = geared.get(name, Gear())
+    gear = driven.gear(name)
+    spring = driven.springs.get(name, (None, None))
+    stiffness, rest = (None if text is None else _number(where, text) for text in spring)
+    rotor = None if gear.rotor is None else gear.rotor * gear.ratio**2
+    armature = _optional(where, dynamics, "armature")
     own = limit is not None and "acceleration" in limit.attrib
     faster = "acceleration" if own else "drake:acceleration"
     return TreeJoint(
@@ -115,13 +123,37 @@ def _joint(path: Path, element: ET.Element, geared: Mapping[str, Gear]) -> TreeJ
         effort=_limit(where, limit, "effort"),
         damping=_optional(where, dynamics, "damping"),
         dry=_optional(where, dynamics, "friction"),
-        armature=None if gear.rotor is None else gear.rotor * gear.ratio**2,
+        armature=rotor if armature is None else armature,
         gear=None if gear.ratio == 1.0 else gear.ratio,
         acceleration=_limit(where, limit, faster),
+        stiffness=stiffness,
+        rest=rest or 0.0,
+        unread=_unread(element),
         mimics=None if mimic is None else mimic.get("joint"),
         multiplier=1.0 if (ratio := _optional(where, mimic, "multiplier")) is None else ratio,
         offset=_optional(where, mimic, "offset") or 0.0,
     )
+
+
+def _unread(joint: ET.Element) -> tuple[str, ...]:
+    """What stands in a joint where URDF knows nothing or one of its kind; a zero says nothing."""
+    tags = [str(inner.tag) for inner in joint]
+    strange = [f"<{tag}>" for tag in tags if tag not in INNER + UNUSED]
+    second = [f"a second <{tag}>" for tag in INNER if tags.count(tag) > 1]
+    dynamics = joint.find("dynamics")
+    stated = {} if dynamics is None else dynamics.attrib
+    odd = [key for key, text in stated.items() if key not in NUMBERS and text.strip("0. ")]
+    found = [*strange, *second, *([f"{', '.join(odd)} of <dynamics>"] if odd else [])]
+    return tuple(dict.fromkeys(found))
+
+
+def _two_bodies(root: ET.Element) -> list[str]:
+    """A note on every link with more than one body."""
+    return [
+        f"link {link.get('name')}: has several <inertial>, expected one: the first counts"
+        for link in root.findall("link")
+        if len(link.findall("inertial")) > 1
+    ]
 
 
 def _range(

@@ -1,8 +1,10 @@
-"""What a URDF states of motors and gears: the `<transmission>` of a joint, Drake's rotors in it."""
+"""What a URDF states of a joint elsewhere: its `<transmission>`, Drake's rotors in it, and the
+spring that Gazebo puts across it."""
 
 from __future__ import annotations
 
 import xml.etree.ElementTree as ET
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 REDUCTIONS = ("mechanicalReduction", "mechanical_reduction", "drake:gear_ratio")
@@ -18,6 +20,31 @@ class Gear:
     """motor turns per joint turn [-]; 1 stands in most files, whatever the gear is"""
     rotor: float | None = None
     """inertia on the motor's side [kg m2]"""
+
+
+@dataclass(frozen=True)
+class Driven:
+    """What drives the joints of a file, by their names."""
+
+    gears: Mapping[str, Gear]
+    springs: Mapping[str, tuple[str | None, str | None]]
+    """stiffness [Nm/rad] and where it is at rest [rad], as they are written"""
+
+    def gear(self, joint: str) -> Gear:
+        """Of a joint; direct where the file does not say."""
+        return self.gears.get(joint, Gear())
+
+
+def springs(root: ET.Element) -> dict[str, tuple[str | None, str | None]]:
+    """Springs across joints, `<gazebo reference="JOINT">`."""
+    return {
+        str(element.get("reference")): (
+            element.findtext("springStiffness"),
+            element.findtext("springReference"),
+        )
+        for element in root.findall("gazebo")
+        if element.find("springStiffness") is not None
+    }
 
 
 def gears(root: ET.Element) -> dict[str, Gear]:
