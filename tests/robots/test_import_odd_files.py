@@ -80,6 +80,12 @@ def test_which_links_are_those_of_a_gripper(tmp_path: Path, link: str, joints: i
     assert read(tmp_path / "arm.urdf", bare).robot.n == (6 if joints == 6 else 1)
 
 
+def test_a_finger_by_itself_is_an_arm(tmp_path: Path) -> None:
+    """The joints of one are left out behind an arm; where nothing else turns they are the arm."""
+    text = ARM.replace("tool0", "tip").replace('name="joint_', 'name="finger_joint_')
+    assert read(tmp_path / "arm.urdf", text).robot.n == 6
+
+
 def test_coarse_quarter_turns_are_said(tmp_path: Path) -> None:
     """Read as they stand: an arm calibrated by a milliradian is not put right."""
     text = ARM.replace('rpy="0.0 0.0 0.0"', 'rpy="1.57 0 -3.1415"', 1)

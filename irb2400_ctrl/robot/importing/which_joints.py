@@ -26,12 +26,12 @@ ARM = 4
 
 def end_of_arm(tree: Tree, base: str) -> str:
     """An end with a telling name if there is one, otherwise that of the chain with the most
-    joints.
+    joints; a finger only where nothing else turns.
 
     Raises:
         InputError: more joints turn behind one that slides.
     """
-    best: list[tuple[bool, int, int, int, str]] = []
+    best: list[tuple[bool, bool, int, int, int, str]] = []
     slid: list[tuple[int, str, str]] = []
     for order, link in enumerate(tree.links):
         try:
@@ -41,27 +41,26 @@ def end_of_arm(tree: Tree, base: str) -> str:
         turns = sum(map(_turns, path))
         rank = _rank(link)
         path = stood_still(path, [])
-        if any(map(_grips, path)):
-            continue
+        arm = turns > 0 and not any(map(_grips, path))
         sliding = next((j for j in path if j.kind not in TURNING | {"fixed"}), None)
         if not rank and sliding is not None:
-            slid.append((turns, sliding.name, sliding.child))
+            slid.append((turns * arm, sliding.name, sliding.child))
             continue
         turning = [joint for joint in path if joint.kind in TURNING]
         if not rank and turning and turning[-1].mimics:
             continue
         last = bool(path) and path[-1].kind in TURNING
-        best.append((rank > 0, turns, rank if rank else int(last) - 1, -order, link))
-    chosen = max(best)
+        best.append((arm, rank > 0, turns, rank if rank else int(last) - 1, -order, link))
+    *_, own, _, _, chosen = max(best)
     most, name, beyond = max(slid, default=(0, "", ""))
-    if most > chosen[1]:
-        before = f", or what stands before it with --tool-link {chosen[4]}" if chosen[1] else ""
+    if most > own:
+        before = f", or what stands before it with --tool-link {chosen}" if own else ""
+        behind = f"{most - own} joints turn" if most - own > 1 else "another one turns"
         raise InputError(
-            f"{tree.name}: joint {name} slides, and {most - chosen[1]} joints turn behind it; this "
-            "library knows arms whose joints turn: take what stands behind it with --base-link "
-            f"{beyond}{before}"
+            f"{tree.name}: joint {name} slides, and {behind} behind it; this library knows arms "
+            f"whose joints turn: take what stands behind it with --base-link {beyond}{before}"
         )
-    return chosen[4]
+    return chosen
 
 
 def _rank(link: str) -> int:
