@@ -296,6 +296,7 @@ def test_gears_and_rotors_of_transmissions(
         ('lower="-1"', (-57.29578, 0), None, ""),
         ('lower="-inf" upper="inf"', (-360, 360), None, "no range in the file"),
         ('lower="-1" upper="Infinity"', (-360, 360), None, "no range in the file"),
+        ('lower="-1e16" upper="1e16"', (-360, 360), None, "is none (nothing turns so far)"),
         ('lower="-1" upper="1" drake:acceleration="10"', None, 572.95780, ""),
         ('lower="-1" upper="1" acceleration="10"', None, 572.95780, ""),
         ('lower="-1" upper="1" acceleration="inf"', None, None, ""),

@@ -19,6 +19,8 @@ LEAST_SPEED = float(np.radians(PLAUSIBLE["speed_deg_s"][0]))
 SOURCE = "the imported file"
 DEGREES = 4 * np.pi
 """a range beyond two turns either way looks like degrees [rad]"""
+ENDLESS = 1e5
+"""and one beyond this says that there is none [rad]"""
 
 
 def joint_table(joint: TreeJoint, notes: list[str]) -> dict[str, Any]:
@@ -44,7 +46,7 @@ def joint_table(joint: TreeJoint, notes: list[str]) -> dict[str, Any]:
 def _limits(joint: TreeJoint, notes: list[str]) -> dict[str, Any]:
     source = SOURCE
     ends = joint.range
-    if ends is None or ends[0] >= ends[1]:
+    if ends is None or ends[0] >= ends[1] or max(map(abs, ends)) > ENDLESS:
         notes.append(f"joint {joint.name}: {_no_range(joint)}; one turn either way is kept")
         ends = (-2 * np.pi, 2 * np.pi)
         source = "assumption: the file states no range, one turn either way is kept"
@@ -86,7 +88,8 @@ def _no_range(joint: TreeJoint) -> str:
     if joint.range is None:
         return "no range in the file"
     low, high = joint.range
-    return f"range {low:g} to {high:g} rad in the file is none (the lower end must be below)"
+    why = "the lower end must be below" if low >= high else "nothing turns so far"
+    return f"range {low:g} to {high:g} rad in the file is none ({why})"
 
 
 def _found(value: float | None) -> str:
