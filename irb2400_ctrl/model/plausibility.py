@@ -65,10 +65,17 @@ def plausibility(robot: Robot) -> list[str]:
             notes.append(
                 f"{joint.name}: range {low:g} to {high:g} deg is narrow; it looks like radians"
             )
-        speed = joint.limits.speed_deg_s
-        if speed is not None and speed > FAST_DEG_S:
-            notes.append(f"{joint.name}: speed limit {speed:g} deg/s is beyond any arm's")
-    return notes
+    return notes + _fast(robot)
+
+
+def _fast(robot: Robot) -> list[str]:
+    """Speed limits that no joint comes to."""
+    speeds = {joint.name: joint.limits.speed_deg_s or 0.0 for joint in robot.joints}
+    found = {name: f"{speed:g}" for name, speed in speeds.items() if speed > FAST_DEG_S}
+    if not found:
+        return []
+    values = ", ".join(dict.fromkeys(found.values()))
+    return [f"{', '.join(found)}: speed limit {values} deg/s is beyond any arm's"]
 
 
 def _gravity(robot: Robot) -> list[str]:
@@ -170,7 +177,19 @@ def _masses(robot: Robot) -> list[str]:
             f"{why}: torques mean nothing with them; expected those of the arm (irb2400 identify "
             "fits them to logs)"
         ]
-    return []
+    return _one_inertia([link.body for link in robot.links])
+
+
+def _one_inertia(bodies: list[Body]) -> list[str]:
+    """Links of different weight that have one inertia, the last of which may carry a tool."""
+    moments = np.array([np.linalg.eigvalsh(body.tensor()) for body in bodies])
+    alike = moments[:-1] if len(bodies) > 3 else moments
+    if len(alike) < 3 or not alike.any() or not np.allclose(alike, alike[0], rtol=1e-6, atol=0.0):
+        return []
+    return [
+        f"all links have the same inertia ({alike.max():.4g} kg m2), whatever they weigh: a "
+        "placeholder, with which torques of accelerations mean nothing; expected each link's own"
+    ]
 
 
 def unknown_bodies(robot: Robot) -> str:

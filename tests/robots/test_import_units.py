@@ -200,3 +200,21 @@ def test_damping_that_keeps_a_simulation_steady_is_asked_about(tmp_path: Path) -
         notes = [note for note in plausibility(read(text, tmp_path)) if "friction is most" in note]
         assert len(notes) == said
         assert all("180 of 346 Nm at 1 rad/s" in note for note in notes)
+
+
+def test_one_inertia_for_links_of_any_weight_is_a_placeholder(tmp_path: Path) -> None:
+    tensor = '<inertia ixx="0.01" ixy="0" ixz="0" iyy="0.01" iyz="0" izz="0.01"/>'
+    text = re.sub("<inertia .*?/>", tensor, UR5)
+    found = [note for note in plausibility(read(text, tmp_path)) if "placeholder" in note]
+    assert len(found) == 1
+    assert found[0].startswith("all links have the same inertia (0.01 kg m2), whatever they weigh")
+
+
+def test_speeds_in_degrees_are_one_line(tmp_path: Path) -> None:
+    text = re.sub('velocity="[^"]*"', 'velocity="90"', UR5)
+    (said,) = [note for note in plausibility(read(text, tmp_path)) if "speed limit" in note]
+    assert said.endswith("speed limit 5156.62 deg/s is beyond any arm's")
+    path = tmp_path / "arm.urdf"
+    path.write_text(text.replace('velocity="90"', 'velocity="180"'))
+    (unknown,) = [note for note in import_robot(path).notes if "speed limit" in note]
+    assert "speed limit is 180 rad/s in the file, more than any arm's, taken as unknown" in unknown

@@ -300,9 +300,9 @@ def test_gears_and_rotors_of_transmissions(
         ('lower="-1" upper="1" drake:acceleration="10"', None, 572.95780, ""),
         ('lower="-1" upper="1" acceleration="10"', None, 572.95780, ""),
         ('lower="-1" upper="1" acceleration="inf"', None, None, ""),
-        ('lower="-1" upper="1" acceleration="0"', None, None, "acceleration limit is 0 in the"),
-        ('lower="-1" upper="1" effort="1e-6"', None, None, "torque limit is 1e-06 in the file"),
-        ('lower="-1" upper="1" velocity="1e-5"', None, None, "speed limit is 1e-05 in the file"),
+        ('lower="-1" upper="1" acceleration="0"', None, None, "limit is 0 rad/s2 in the file, t"),
+        ('lower="-1" upper="1" effort="1e-6"', None, None, "limit is 1e-06 Nm in the file, t"),
+        ('lower="-1" upper="1" velocity="1e-5"', None, None, "is 1e-05 rad/s in the file, t"),
         ('lower="-1" upper="1"/><safety_controller soft_lower_limit="-.9" k_velocity="2"', None,
          None, "soft limits within its range are not read"),
         ('lower="-1" upper="1"/><safety_controller soft_lower_limit="-1" soft_upper_limit="1" '

@@ -65,20 +65,21 @@ def _limits(joint: TreeJoint, notes: list[str]) -> dict[str, Any]:
     if joint.speed is not None and LEAST_SPEED <= joint.speed <= ABSURD_SPEED:
         limits["speed_deg_s"] = float(np.degrees(joint.speed))
     else:
-        notes.append(f"joint {joint.name}: speed limit {_found(joint.speed)}, taken as unknown")
+        found = _found(joint.speed, "rad/s", ABSURD_SPEED)
+        notes.append(f"joint {joint.name}: speed limit {found}, taken as unknown")
     if joint.effort is not None and LEAST_EFFORT <= joint.effort < ABSURD_EFFORT:
         limits["torque_Nm"] = joint.effort
         limits["torque_source"] = SOURCE
     else:
-        notes.append(f"joint {joint.name}: torque limit {_found(joint.effort)}, taken as unknown")
+        found = _found(joint.effort, "Nm", ABSURD_EFFORT)
+        notes.append(f"joint {joint.name}: torque limit {found}, taken as unknown")
     least, most = PLAUSIBLE["acceleration_deg_s2"]
     acceleration = np.degrees(joint.acceleration or 0.0)
     if least <= acceleration <= most:
         limits["acceleration_deg_s2"] = float(acceleration)
     elif joint.acceleration is not None:
-        notes.append(
-            f"joint {joint.name}: acceleration limit {_found(joint.acceleration)}, taken as unknown"
-        )
+        found = _found(joint.acceleration, "rad/s2", float(np.radians(most)))
+        notes.append(f"joint {joint.name}: acceleration limit {found}, taken as unknown")
     return limits
 
 
@@ -92,5 +93,14 @@ def _no_range(joint: TreeJoint) -> str:
     return f"range {low:g} to {high:g} rad in the file is none ({why})"
 
 
-def _found(value: float | None) -> str:
-    return "is not in the file" if value is None else f"is {value:g} in the file"
+def _found(value: float | None, unit: str, most: float) -> str:
+    """A limit that is not believed.
+
+    Args:
+        value: in the file.
+        unit: that a URDF states it in.
+        most: larger ones are of no arm.
+    """
+    if value is None:
+        return "is not in the file"
+    return f"is {value:g} {unit} in the file" + ", more than any arm's" * (value > most)
