@@ -177,7 +177,8 @@ def _print_left_out(arm: Robot, format: str, effects: list[str]) -> None:
         print(line)
     if effects:
         print(f"left out, the format has no place for them: {', '.join(effects)}")
-    print("left out, the format has no place for it: static friction and its transition speed")
+    if arm.friction_known[:, 0].any():
+        print("left out, the format has no place for it: static friction and its transition speed")
     if format == "mjcf":
         print("left out, the format has no place for them: speed limits")
     elif arm.coupled:

@@ -251,3 +251,10 @@ def test_what_was_written_is_said_last(tmp_path: Path) -> None:
     out = tmp_path / "arm.toml"
     told = RUN.invoke(app, ["robot", "new", "--out", str(out)])
     assert told.stdout == f"written: {out}\n"
+
+
+def test_static_friction_that_no_file_states_is_not_left_out(tmp_path: Path) -> None:
+    for name, said in (("irb2400", True), ("ur10e", False)):
+        found = RUN.invoke(app, ["robot", "export", name, "--out", str(tmp_path)])
+        assert found.exit_code == 0, found.output
+        assert ("static friction and its transition speed" in found.output) == said
