@@ -31,12 +31,14 @@ from irb2400_ctrl.codegen import Block, Field
 from irb2400_ctrl.controllers.compensation import SIGN_WIDTH, Compensation
 from irb2400_ctrl.controllers.computed_torque import pd_gains, wanted_acceleration
 from irb2400_ctrl.controllers.parts import (
+    UNBOUNDED,
     Values,
     assemble,
     errors,
     gain,
     saturate,
     signals_in,
+    strongest,
     torque_out,
 )
 from irb2400_ctrl.controllers.scaling import typical_inertia
@@ -51,8 +53,6 @@ PAYLOAD = 4
 told from them"""
 LEAST = 1e-6
 """Kd [1/s] and learning limit [1/s] of a law without gains, which would be divided by"""
-UNBOUNDED = 1e6
-"""largest of theta and of a torque whose limit the file does not state"""
 LEARNING = 0.75
 """learning limit in units of the bandwidth"""
 UNSEEN = 1e-12
@@ -101,7 +101,7 @@ def adaptive(
         known, after = model.torque(v, (v["q"], v["qd"], wanted), v["qd_ref"], v["qd"])
         Y = regressor(v["q"], v["qd"], wanted, v["qd_ref"])
         asked = known + Y @ v["theta"]
-        tau = saturate(robot, v, asked)
+        tau = saturate(v, asked)
         going = fade(v["qd_ref"], v["breakaway"])
         heard = going * (tau == asked) * (speed_error + v["slope"] * error)
         theta = v["theta"] + sample_time * learned(v, Y, heard)
@@ -216,7 +216,5 @@ def _most(robot: Robot, typical: Array) -> Array:
     """Largest |theta|: what alone takes a joint's whole torque in a typical motion, (4 + n,). No
     tighter: a load below zero stands for links that are lighter than the file has them."""
     shown = np.sqrt((typical**2).mean(axis=0))
-    strongest = np.where(np.isfinite(robot.tau_bound), robot.tau_bound, UNBOUNDED)
-    return np.asarray(
-        (strongest[:, None] / np.maximum(shown, strongest[:, None] / UNBOUNDED)).min(axis=0)
-    )
+    most = strongest(robot)[:, None]
+    return np.asarray((most / np.maximum(shown, most / UNBOUNDED)).min(axis=0))

@@ -181,7 +181,7 @@ def _cascade(
                 v, (v["q_ref"], v["qd_ref"], v["qdd_ref"]), v["qd_ref"], v["qd"]
             )
         wanted = forward + v["kv"] * error + v["integral"]
-        tau = saturate(robot, v, wanted)
+        tau = saturate(v, wanted)
         still = resting(v["qd_ref"], v["q_ref"] - v["q"], v["deadband"])
         integral = back_calculated(
             v["integral"], (1 - still) * v["ki"] * error, tau - wanted, v["tracking"], sample_time

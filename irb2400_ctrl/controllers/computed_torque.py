@@ -49,7 +49,7 @@ def computed_torque(
     def law(v: Values) -> Values:
         wanted = v["qdd_ref"] + v["kd"] * (v["qd_ref"] - v["qd"]) + v["kp"] * (v["q_ref"] - v["q"])
         tau, after = model.torque(v, (v["q"], v["qd"], wanted), v["qd_ref"], v["qd"])
-        return {"tau": saturate(robot, v, tau), "wanted": wanted, **after}
+        return {"tau": saturate(v, tau), "wanted": wanted, **after}
 
     return assemble(
         "computed_torque",

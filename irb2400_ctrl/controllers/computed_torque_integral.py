@@ -75,7 +75,7 @@ def computed_torque_integral(
         wanted = v["qdd_ref"] + v["kd"] * (v["qd_ref"] - v["qd"]) + v["kp"] * error
         known, after = model.torque(v, (v["q"], v["qd"], wanted), v["qd_ref"], v["qd"])
         asked = known + v["integral"]
-        tau = saturate(robot, v, asked)
+        tau = saturate(v, asked)
         moving = 1 - resting(v["qd_ref"], error, v["deadband"])
         integral = back_calculated(
             v["integral"], moving * v["ki"] * error, tau - asked, v["tracking"], sample_time

@@ -71,7 +71,7 @@ def gravity_pd(
         speed_error = v["qd_ref"] - v["qd"]
         wanted = weight + v["kp"] * error + v["kd"] * speed_error
         steps = {"weight": weight, "error": error, "speed_error": speed_error}
-        return {"tau": saturate(robot, v, wanted), **steps}
+        return {"tau": saturate(v, wanted), **steps}
 
     return assemble(
         "gravity_pd",

@@ -121,7 +121,7 @@ class _Guard:
         after, own = self._controlled(v, ca.logic_and(true, ca.logic_not(braked)))
         asked = ca.if_else(v["braked"], v["tau_last"], _guarded_torque(v, own, T))
         # what is remembered is what is sent
-        tau = saturate(self.check.robot, v, asked) if "tau_limit" in v else asked
+        tau = saturate(v, asked)
         return {
             **after,
             **observed,

@@ -10,6 +10,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import ArrayLike
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.codegen import Block, Field
 from irb2400_ctrl.codegen.block import Quantities
 from irb2400_ctrl.errors import InputError
@@ -24,6 +25,10 @@ little"""
 FASTEST = 2.0
 """largest speed that is believed, as a multiple of the robot's limit: a filtered difference of
 angles overshoots; ten times the limit is a wrong unit or a broken encoder"""
+UNKNOWN_SPEED = 10.0
+"""[rad/s] in place of a speed limit that the robot file does not state"""
+UNBOUNDED = 1e6
+"""[Nm] in place of a torque limit that it does not state"""
 
 ROUNDING = 1e-12
 """of the largest inertia: less is none"""
@@ -102,7 +107,7 @@ def signals_in(robot: Robot) -> tuple[Field, ...]:
     n = robot.n
     low = tuple((robot.q_min - BEYOND).tolist())
     high = tuple((robot.q_max + BEYOND).tolist())
-    fast = tuple((FASTEST * robot.qd_bound).tolist()) if np.isfinite(robot.qd_bound).all() else ()
+    fast = tuple((FASTEST * fastest(robot)).tolist()) if np.isfinite(robot.qd_bound).any() else ()
     slow = tuple(-v for v in fast)
     return (
         Field("q", n, "rad", "measured actuator angles", lower=low, upper=high),
@@ -114,11 +119,24 @@ def signals_in(robot: Robot) -> tuple[Field, ...]:
 
 
 def torque_out(robot: Robot) -> tuple[Field, ...]:
-    """Output of every controller: the torque command, already inside the limits."""
-    if np.isinf(robot.tau_bound).any():
-        return (Field("tau", robot.n, "Nm", "torque command; not all limits are known"),)
-    high = tuple(robot.tau_max)
-    return (Field("tau", robot.n, "Nm", "torque command", lower=tuple(-robot.tau_max), upper=high),)
+    """Output of every controller: the torque command, already inside the limits; without bounds
+    where the robot states none of them."""
+    known = np.isfinite(robot.tau_bound)
+    if not known.any():
+        return (Field("tau", robot.n, "Nm", "torque command; no limit is known"),)
+    doc = "torque command" if known.all() else f"torque command; {UNBOUNDED:g}: limit not known"
+    high = strongest(robot)
+    return (Field("tau", robot.n, "Nm", doc, lower=tuple(-high), upper=tuple(high)),)
+
+
+def strongest(robot: Robot) -> Array:
+    """Torque limits, `UNBOUNDED` where one is not stated [Nm], shape (n,)."""
+    return np.where(np.isfinite(robot.tau_bound), robot.tau_bound, UNBOUNDED)
+
+
+def fastest(robot: Robot) -> Array:
+    """Speed limits, `UNKNOWN_SPEED` where one is not stated [rad/s], shape (n,)."""
+    return np.where(np.isfinite(robot.qd_bound), robot.qd_bound, UNKNOWN_SPEED)
 
 
 def errors(robot: Robot) -> tuple[Field, Field]:
@@ -152,22 +170,12 @@ def gain(robot: Robot, name: str, unit: str, doc: str, value: ArrayLike) -> Fiel
     return Field(name, robot.n, unit, doc, default, lower=(0.0,) * robot.n)
 
 
-def saturate(robot: Robot, v: Values, tau: ca.SX) -> ca.SX:
-    """tau cut at the torque limits of the parameter table; where the robot does not state all of
-    them, which leaves none in the table, at those that it states.
-
-    Args:
-        robot: the arm.
-        v: values by name.
-        tau: [Nm], shape (n,).
-    """
-    if "tau_limit" in v:
-        return ca.SX(ca.fmin(ca.fmax(tau, -v["tau_limit"]), v["tau_limit"]))
-    cut = [
-        ca.fmin(ca.fmax(tau[i], -high), high) if np.isfinite(high) else tau[i]
-        for i, high in enumerate(robot.tau_bound)
-    ]
-    return ca.vertcat(*cut)
+def saturate(v: Values, tau: ca.SX) -> ca.SX:
+    """tau [Nm], shape (n,), cut at the torque limits of the parameter table; as it is where that
+    has none."""
+    if "tau_limit" not in v:
+        return tau
+    return ca.SX(ca.fmin(ca.fmax(tau, -v["tau_limit"]), v["tau_limit"]))
 
 
 def back_calculated(

@@ -11,7 +11,9 @@ import pytest
 from irb2400_ctrl import load_robot
 from irb2400_ctrl.codegen import Block, Field, HostController, Package
 from irb2400_ctrl.controllers import controller, guarded
+from irb2400_ctrl.controllers.parts import FASTEST, UNBOUNDED, UNKNOWN_SPEED
 from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.robot import Robot
 
 ROBOT = load_robot("irb2400")
 POSE = np.array([0.1, 0.2, 0.1, 0.2, 0.4, 0.3])
@@ -108,3 +110,50 @@ def test_another_parameter_of_that_name_is_still_refused() -> None:
     )
     with pytest.raises(InputError, match="two fields of one name"):
         Package(replace(block, parameters=parameters))
+
+
+def with_unknown(joint: int, key: str) -> Robot:
+    """The robot without one limit of a joint."""
+    joints = list(ROBOT.joints)
+    limits = joints[joint].limits.model_copy(update={key: None})
+    joints[joint] = joints[joint].model_copy(update={"limits": limits})
+    return ROBOT.model_copy(update={"joints": tuple(joints)})
+
+
+@pytest.mark.parametrize("guard", [False, True])
+def test_one_unknown_limit_leaves_those_of_the_others_in_the_table(guard: bool) -> None:
+    arm = with_unknown(3, "torque_Nm")
+    block = controller("pid", arm)
+    block = guarded(block, arm, consistency=False) if guard else block
+    compiled = HostController(Package(block, "double"))
+    row = at(compiled.package.parameter_fields, "tau_limit")
+    table = compiled.parameters
+    known = np.delete(np.arange(6), 3)
+    np.testing.assert_array_equal(table[row][known], ROBOT.tau_max[known])
+    assert table[row][3] == UNBOUNDED
+    table[row] *= 0.5
+    compiled.parameters = table
+    compiled.reset()
+    assert compiled.init_status == 0
+    tau, _ = pushed(compiled, 5000, 0.02)
+    np.testing.assert_allclose(tau[known], 0.5 * ROBOT.tau_max[known])
+    assert abs(tau[3]) > ROBOT.tau_max[3]
+
+
+def test_a_released_brake_asks_no_joint_for_more_than_its_known_limit() -> None:
+    arm = with_unknown(3, "torque_Nm")
+    block = guarded(controller("gravity_pd", arm), arm, consistency=False)
+    compiled = HostController(Package(block, "double"))
+    table = compiled.parameters
+    table[at(compiled.package.parameter_fields, "hold")] = 3.0 * ROBOT.tau_max
+    compiled.parameters = table
+    compiled.reset()
+    tau, _ = pushed(compiled, 2, 0.0)
+    assert (np.abs(tau) <= ROBOT.tau_max)[np.arange(6) != 3].all()
+
+
+def test_one_unknown_speed_leaves_those_of_the_others_in_the_table() -> None:
+    arm = with_unknown(2, "speed_deg_s")
+    (qd,) = [f for f in controller("pid", arm).inputs if f.name == "qd"]
+    expected = FASTEST * np.where(np.arange(6) == 2, UNKNOWN_SPEED, ROBOT.qd_max)
+    np.testing.assert_allclose(qd.upper, expected)

@@ -19,7 +19,7 @@ from irb2400_ctrl.controllers.momentum import (
     observer_states,
     observer_told,
 )
-from irb2400_ctrl.controllers.parts import Values, gain
+from irb2400_ctrl.controllers.parts import Values, gain, strongest
 from irb2400_ctrl.controllers.scaling import largest_inertia
 from irb2400_ctrl.model import kinematics
 
@@ -40,8 +40,6 @@ SPEED_LAG = 0.00076
 SPEED_STEP = 0.0035
 """[rad/s] by which a speed is off that a drive forms a thousand times a second from angles of 5e-6
 rad: momentum that comes and goes with each sample"""
-UNBOUNDED = 1e6
-"""[Nm] in place of a torque limit that the robot file does not state"""
 STATIC = 0.1
 """share of static friction in the limits of both bands"""
 
@@ -171,8 +169,7 @@ class Consistency:
     @property
     def _strongest(self) -> Array:
         """Torque limits [Nm], shape (n,)."""
-        bound = self.core.arm.robot.tau_bound
-        return np.where(np.isfinite(bound), bound, UNBOUNDED)
+        return strongest(self.core.arm.robot)
 
     @property
     def _restart(self) -> ca.DM:

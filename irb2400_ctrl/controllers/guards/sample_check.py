@@ -9,7 +9,7 @@ import casadi as ca
 import numpy as np
 
 from irb2400_ctrl.codegen import Field
-from irb2400_ctrl.controllers.parts import BEYOND, FASTEST, Values
+from irb2400_ctrl.controllers.parts import BEYOND, FASTEST, Values, fastest
 from irb2400_ctrl.robot import Robot
 
 JUMP = 0.5
@@ -20,8 +20,6 @@ LEADING = float(np.radians(5.0))
 LAGGING = float(np.radians(8.0))
 """the same under a controller that knows nothing of the acceleration that is asked for:
 `gravity_pd` leaves 5.1 deg on axis 6 in the motion of the demo"""
-UNKNOWN_SPEED = 10.0
-"""[rad/s] in place of a speed limit that the robot file does not state"""
 
 
 @dataclass(frozen=True)
@@ -49,8 +47,7 @@ class SampleCheck:
     @property
     def fast(self) -> np.ndarray:
         """Speed limits [rad/s], shape (n,)."""
-        bound = self.robot.qd_bound
-        return np.where(np.isfinite(bound), bound, UNKNOWN_SPEED)
+        return fastest(self.robot)
 
     def can_be_true(self, v: Values) -> ca.SX:
         """1 where the sample is fresh, inside the joint box and the speeds, and no jump.
