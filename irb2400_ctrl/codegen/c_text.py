@@ -77,6 +77,13 @@ def clip(field: Field, i: int, text: str) -> str:
     return f"own_clip({text}, {text}, {high})" if field.upper else text
 
 
+def _cut_at(field: Field) -> list[str]:
+    """How the rows of the parameter table that cut an output end."""
+    if is_symmetric(field):
+        return ["limit"]
+    return ["min"] * bool(field.lower) + ["max"] * bool(field.upper)
+
+
 def described(field: Field) -> str:
     """Unit and meaning, for a C comment."""
     return f"[{field.unit or '-'}] {plain(field.doc)}".strip()
@@ -164,11 +171,11 @@ def finished(block: Block, results: Sequence[Sequence[str]], taken: Collection[s
     """
     results, kept = _read_before(block, results, taken)
     upper = block.name.upper()
-    # a limit that is no number would not cut
+    # a bound that is no number would not cut, and one that is infinite would be sent
     limits = [
-        f"parameters->{f.name}_limit[{i}]"
+        f"parameters->{f.name}_{end}[{i}]"
         for f in block.outputs
-        if is_symmetric(f)
+        for end in _cut_at(f)
         for i in range(f.size)
     ]
     flat = [*(text for column in results for text in column), *limits]

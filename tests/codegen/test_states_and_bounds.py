@@ -16,7 +16,7 @@ from irb2400_ctrl.codegen import Block, Field, export_package
 from irb2400_ctrl.codegen.controller import HostController
 from irb2400_ctrl.codegen.host_library import Real
 from irb2400_ctrl.codegen.machine_code.toolchain import find_compiler
-from irb2400_ctrl.codegen.package import FAULT_PARAMETERS, Package
+from irb2400_ctrl.codegen.package import FAULT_PARAMETERS, FAULT_RESULT, Package
 from irb2400_ctrl.errors import InputError
 
 from .test_package import STRICT
@@ -160,3 +160,19 @@ def test_no_number_is_never_made_an_integer(real: Real, tmp_path: Path) -> None:
     command = ["gcc", "-std=c99", *trap, "small.c", "main.c", "-o", "example"]
     subprocess.run(command, cwd=tmp_path, check=True)
     assert subprocess.run(["./example"], cwd=tmp_path, check=False).returncode == 1
+
+
+@pytest.mark.parametrize("real", REALS)
+@pytest.mark.parametrize("ends", [(np.inf, 1.0), (np.nan, 1.0), (0.0, -np.inf), (0.0, np.nan)])
+def test_no_bound_that_is_no_number_is_sent(real: Real, ends: tuple[float, float]) -> None:
+    """A lower bound of infinity went out as the output, and the status said that all was well."""
+    out = (Field("brake", 1, "", "", lower=(0.0,), upper=(1.0,)),)
+    running = HostController(Package(block_of(lambda u: (u,), outputs=out), real))
+    safe, status = running.step([0.25])
+    assert status == 0
+    running.parameters = ends
+    held, status = running.step([0.5])
+    assert status == FAULT_RESULT
+    np.testing.assert_array_equal(held, safe)
+    running.reset()
+    assert running.init_status == FAULT_PARAMETERS
