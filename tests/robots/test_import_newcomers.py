@@ -248,6 +248,8 @@ def test_a_prefix_that_is_not_declared_is_no_hindrance(tmp_path: Path) -> None:
     [
         ("<link.*</robot>", "</robot>", "found no link, expected a robot"),
         ('<mass value="', '<mass value="-', r"link_1 body mass_kg: found -3.7"),
+        ("<inertia .*?/>", "", 'link link_1: found no <inertia ixx="…">, expected one'),
+        ('type="revolute"', 'type="fixed"', "found no joint that turns between base_link"),
         ("</robot>", '<link name="link_1"/></robot>', "link link_1 is there 2 times"),
         ("</robot>", '<link name="other"/></robot>', "choose one of them with --base-link"),
     ],

@@ -103,7 +103,8 @@ def chain_robot(
     for joint in path:
         _step(tree, joint, chain, on_path, notes)
     if not chain.joints:
-        raise InputError(f"{tree.name}: no joint between {base} and {tip} turns")
+        where = "joint that turns" if base == tip else f"joint that turns between {base} and {tip}"
+        raise InputError(f"{tree.name}: found no {where}, expected those of an arm")
     tables = [joint_table(joint, notes) for joint in chain.joints]
     notes += _one_limit([t["limits"].get("torque_Nm") for t in tables])
     n = len(chain.joints)

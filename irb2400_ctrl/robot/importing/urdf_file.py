@@ -113,8 +113,8 @@ def _joint(path: Path, element: ET.Element, driven: Driven) -> TreeJoint:
     return TreeJoint(
         name=name,
         kind=kind,
-        parent=_attribute(where, element.find("parent"), "link"),
-        child=_attribute(where, element.find("child"), "link"),
+        parent=_inner(where, element, "parent", "link"),
+        child=_inner(where, element, "child", "link"),
         X=_origin(where, element.find("origin")),
         axis=np.array([1.0, 0.0, 0.0]) if axis is None else _vector(where, axis.get("xyz", ""), 3),
         range=None if kind == "continuous" else _range(where, limit),
@@ -177,11 +177,12 @@ def _mass(path: Path, link: ET.Element) -> Mass | None:
     if inertial is None:
         return None
     where = f"{path}: link {link.get('name')}"
-    mass = _number(where, _attribute(where, inertial.find("mass"), "value"))
+    mass = _number(where, _inner(where, inertial, "mass", "value"))
     X = _origin(where, inertial.find("origin"))
-    inertia = inertial.find("inertia")
     keys = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
-    xx, xy, xz, yy, yz, zz = (_number(where, _attribute(where, inertia, key)) for key in keys)
+    xx, xy, xz, yy, yz, zz = (
+        _number(where, _inner(where, inertial, "inertia", key)) for key in keys
+    )
     tensor = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
     return Mass(mass, np.zeros(3), tensor).seen_from(X)
 
@@ -279,8 +280,23 @@ def _name(path: Path, element: ET.Element, what: str) -> str:
     return name
 
 
-def _attribute(where: str, element: ET.Element | None, key: str) -> str:
-    if element is None or element.get(key) is None:
+def _inner(where: str, element: ET.Element, tag: str, key: str) -> str:
+    """An attribute of the element of this tag within another one.
+
+    Args:
+        where: it stands, for the message.
+        element: that has the other one within it.
+        tag: of that one.
+        key: of the attribute.
+    """
+    value = None if (inner := element.find(tag)) is None else inner.get(key)
+    if value is None:
+        raise InputError(f'{where}: found no <{tag} {key}="…">, expected one')
+    return value
+
+
+def _attribute(where: str, element: ET.Element, key: str) -> str:
+    if element.get(key) is None:
         raise InputError(f"{where}: found no {key}, expected one")
     return str(element.get(key))
 
