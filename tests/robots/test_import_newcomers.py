@@ -208,15 +208,16 @@ def test_two_arms_in_a_file_are_told_and_each_can_be_taken(tmp_path: Path) -> No
     assert end[1] == "right_tool0"
 
 
-def test_the_other_arm_is_told_without_its_fingers(tmp_path: Path) -> None:
+@pytest.mark.parametrize("part", ["finger", "mrl"])
+def test_the_other_arm_is_told_without_its_fingers(tmp_path: Path, part: str) -> None:
     """As TIAGo's file states two arms with a gripper each."""
     one = ur5()
     name = re.compile(r'(?<=[ "])(?=\w+")(?<=(?:name|link)=")')
     inner = one[one.index("<link") : one.index("</robot>")]
     last = re.findall(r'<child link="(\w+)"', inner)[-1]
     finger = (
-        f'<link name="finger"/><joint name="finger_joint" type="revolute"><parent link="{last}"/>'
-        '<child link="finger"/><axis xyz="1 0 0"/><limit lower="0" upper="1"/></joint>'
+        f'<link name="{part}"/><joint name="{part}_joint" type="revolute"><parent link="{last}"/>'
+        f'<child link="{part}"/><axis xyz="1 0 0"/><limit lower="0" upper="1"/></joint>'
     )
     base = re.search(r'<link name="([^"]+)"', inner)
     assert base is not None

@@ -80,6 +80,14 @@ def test_which_links_are_those_of_a_gripper(tmp_path: Path, link: str, joints: i
     assert read(tmp_path / "arm.urdf", bare).robot.n == (6 if joints == 6 else 1)
 
 
+def test_fingers_of_a_hand_are_none_of_the_arm(tmp_path: Path) -> None:
+    """They have names of their own, which an arm may have elsewhere (`middle_lumbar`)."""
+    text = ARM.replace("tool0", "tip")
+    for name, joints in (("left_hand_middle_0", 5), ("hand_right_index_abd", 5), ("middle", 6)):
+        fingered = text.replace('name="joint_6"', f'name="{name}_joint"')
+        assert read(tmp_path / "arm.urdf", fingered).robot.n == joints
+
+
 def test_a_finger_by_itself_is_an_arm(tmp_path: Path) -> None:
     """The joints of one are left out behind an arm; where nothing else turns they are the arm."""
     text = ARM.replace("tool0", "tip").replace('name="joint_', 'name="finger_joint_')

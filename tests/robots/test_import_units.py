@@ -54,7 +54,7 @@ def test_another_unit_is_said(attribute: str, factor: float, says: str, tmp_path
     assert any(says in note for note in notes), notes
 
 
-@pytest.mark.parametrize("name", ["end_effector_link", "tcp_link", "link_eef", "my_end_effector"])
+@pytest.mark.parametrize("name", ["end_effector_link", "tcp_link", "my_flange_link", "link_eef"])
 def test_the_frame_of_the_tool_is_the_end(name: str, tmp_path: Path) -> None:
     """126 mm of an end effector were dropped without a word."""
     text = UR5.replace("tool0", "end")

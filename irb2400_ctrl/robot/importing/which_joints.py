@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from contextlib import suppress
 from dataclasses import replace
 
 from irb2400_ctrl.errors import InputError
@@ -11,11 +12,14 @@ from irb2400_ctrl.robot.importing.tree import TURNING, Tree, TreeJoint
 
 TIPS = (
     *("tcp", "tool0", "tool_0", "ee_link", "flange", "link_ee", "tool_link", "ee"),
-    *("tcp_link", "tcp_frame", "tool_frame", "eef", "link_eef", "end_effector_link"),
-    *("end_effector", "endeffector"),
+    *("tcp_link", "tcp_frame", "tool_frame", "flange_link", "eef", "link_eef"),
+    *("end_effector_link", "end_effector", "endeffector"),
 )
 """names that tools give to the end of an arm, as their last words, most telling first"""
-GRIPPER = re.compile(r"finger|gripper|knuckle|jaw|thumb|robotiq", re.IGNORECASE)
+GRIPPER = re.compile(
+    r"finger|gripper|knuckle|jaw|thumb|robotiq|hand\w*_(index|middle|ring|little|pinky)",
+    re.IGNORECASE,
+)
 """a joint of this name opens a gripper: it is none of the arm unless asked for"""
 FINGER = re.compile(r"(?<!fixed.)(?<!fixed)(finger|knuckle|jaw|thumb)", re.IGNORECASE)
 """so is one that moves a link of this name (the last joint of an arm may well move the gripper, or
@@ -109,14 +113,14 @@ def left_out(tree: Tree, joint: TreeJoint, on_base: bool) -> str:
         joint: where the branch begins.
         on_base: whether it stands on the base itself.
     """
-    arm, wrist = _far_end(tree, joint, grips=False)
-    if on_base and arm >= ARM:
-        fixed = [wrist]
-        for link in fixed:
-            fixed += [one.child for one in tree.hanging_on(link) if one.kind == "fixed"]
+    turns, end = _far_end(tree, joint, grips=False)
+    if on_base and turns >= ARM:
+        with suppress(InputError):
+            end = end_of_arm(tree, joint.child)
+        turns = sum(map(_turns, tree.path(joint.parent, end)))
         return (
-            f"the file holds another arm: {arm} joints from {joint.name} on {joint.parent} on; "
-            f"it is left out, --tool-link {max(fixed, key=_rank)} takes it instead"
+            f"the file holds another arm: {turns} joints from {joint.name} on {joint.parent} on; "
+            f"it is left out, --tool-link {end} takes it instead"
         )
     turns, end = _far_end(tree, joint)
     kg = _weight(tree, joint.child)
