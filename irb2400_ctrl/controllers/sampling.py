@@ -57,6 +57,8 @@ def check_sampled_loop(robot: Robot, build: Callable[[float], Block], sample_tim
         late, where = loops.growth(block, ideal=False)
     if not late:
         return ""
+    if alone:
+        _refuse_overloaded(robot, loops.poses)
     tries = (build(sample_time / 2**k) for k in range(1, HALVINGS + 1))
     enough = next((b.sample_time for b in tries if not loops.growth(b, ideal=False)[0]), None)
     advice = (
@@ -124,5 +126,24 @@ def postures(robot: Robot) -> Array:
     span = inertia_span(robot, J)
     extreme = (span.lightest, span.heaviest, weight_share(robot, J)[1])
     poses = np.vstack([(robot.q_min + robot.q_max) / 2 + share * half, *extreme])
-    held = (np.abs(Model(robot).gravity(poses)) <= robot.tau_bound).all(axis=1)
+    held = _overload(robot, poses).max(axis=1) <= 1.0
     return poses[held] if held.any() else poses
+
+
+def _refuse_overloaded(robot: Robot, poses: Array) -> None:
+    """Refuse an arm that its own weight is too much for at all of these poses (k, n) [rad]: an
+    error grows there, whatever the gains, for the torque is cut."""
+    share = _overload(robot, poses)
+    least = share[int(share.max(axis=1).argmin())]
+    j = int(least.argmax())
+    if least[j] > 1.0:
+        raise InputError(
+            f"{robot.name}: cannot hold its own weight in any of {len(poses)} postures, at the "
+            f"least {robot.joints[j].name} needs {least[j]:.3g} times its torque limit: no "
+            "controller can; check masses and torque limits"
+        )
+
+
+def _overload(robot: Robot, poses: Array) -> Array:
+    """Torque that the weight asks for over the limit [-], shape (k, n)."""
+    return np.asarray(np.abs(Model(robot).gravity(poses)) / robot.tau_bound)

@@ -206,3 +206,9 @@ def test_an_observer_is_slower_than_its_samples() -> None:
     host.parameters = table
     host.reset()
     assert host.init_status == FAULT_PARAMETERS
+
+
+def test_an_arm_that_cannot_hold_itself_is_not_told_to_change_its_gains() -> None:
+    weak = changed(ROBOT, [f"joints.{k}.limits.torque_Nm=5" for k in range(1, 7)])
+    with pytest.raises(InputError, match=r"cannot hold its own weight in any of \d+ postures, at"):
+        check_sampled_loop(weak, partial(controller, "computed_torque", weak), 0.001)
