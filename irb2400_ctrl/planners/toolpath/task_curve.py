@@ -6,8 +6,9 @@ per radian, are the control polygon of a uniform cubic B-spline. Such a curve is
 differentiable, exactly straight where its control points are, and passes the control point V_i at
 the distance |V_{i-1} - 2 V_i + V_{i+1}| / 6. At corners, further control points on the polygon's
 sides hold that distance below the tolerance. Where the polygon bends gently (a curve sampled by
-CAM: by little, and no higher over its chords than `GENTLE` tolerances) the control points are
-chosen so that the curve passes through the way-points.
+CAM: by little, and no higher over its chords than `GENTLE` tolerances), and where it turns back
+(the bottom of a hole: the motion all but stops there anyway), the control points are chosen so that
+the curve passes through the way-points.
 """
 
 from __future__ import annotations
@@ -28,6 +29,9 @@ ROTATION_LENGTH = 0.1
 SMOOTH_BEND = 0.3
 """change of direction up to which a way-point counts as part of a smooth curve, not a corner
 [rad]"""
+BACK = 2 * np.sin(np.radians(75))
+"""change of direction from which a way-point counts as one where the way turns back: that of a turn
+by 150 degrees"""
 GENTLE = 10.0
 """how far beside its chords a smooth curve may swing through the way-points, in tolerances: sampled
 curves do by less, a polygon of long sides bends as little but is none"""
@@ -113,6 +117,29 @@ def smooth_curve(path: ToolPath, tolerance: float = TOLERANCE) -> TaskCurve:
         InputError: all points are the same, or the orientation turns by more than 170 deg between
         two points.
     """
+    points, number = _points(path)
+    feed = path.feed[number]
+    changes = feed[1:-1] != feed[2:]
+    corner_step, passed = _corner_steps(points, tolerance, changes)
+    control, origin, passed = _with_neighbours(points, number, corner_step, passed)
+    control = _through(control, passed)
+    control = np.vstack([2 * control[0] - control[1], control, 2 * control[-1] - control[-2]])
+    return TaskCurve(control, origin, path.rotation is not None, path, tolerance)
+
+
+def turning_back(path: ToolPath) -> npt.NDArray[np.int64]:
+    """Indices of the way-points at which the way turns back, as at the bottom of a hole: their
+    curve comes no farther than there, and passes them exactly.
+
+    Raises:
+        InputError: as `smooth_curve`.
+    """
+    points, number = _points(path)
+    return np.asarray(number[1:-1][_bends(points) > BACK])
+
+
+def _points(path: ToolPath) -> tuple[Array, npt.NDArray[np.int64]]:
+    """The way-points in the space of the curve, without repeated ones, and which each one is."""
     L = ROTATION_LENGTH
     if path.axis is not None:
         vectors = path.axis
@@ -123,18 +150,16 @@ def smooth_curve(path: ToolPath, tolerance: float = TOLERANCE) -> TaskCurve:
     # repeated points carry no direction; below a tenth of a micrometre they are the same
     step = np.linalg.norm(np.diff(points, axis=0), axis=1)
     keep = np.concatenate([[True], step > 1e-7])
-    points = points[keep]
-    number = np.flatnonzero(keep)
-    if len(points) < 2:
+    if keep.sum() < 2:
         raise InputError(f"{path.name}: all points are the same, expected a path with a length")
-    points, number = _turned_in_steps(points, number, path)
-    feed = path.feed[number]
-    changes = feed[1:-1] != feed[2:]
-    corner_step, smooth = _corner_steps(points, tolerance, changes)
-    control, origin, smooth = _with_neighbours(points, number, corner_step, smooth)
-    control = _through(control, smooth)
-    control = np.vstack([2 * control[0] - control[1], control, 2 * control[-1] - control[-2]])
-    return TaskCurve(control, origin, path.rotation is not None, path, tolerance)
+    return _turned_in_steps(points[keep], np.flatnonzero(keep), path)
+
+
+def _bends(points: Array) -> Array:
+    """Change of direction at the inner points: twice the sine of half the turn, shape (n - 2,)."""
+    sides = np.diff(points, axis=0)
+    length = np.linalg.norm(sides, axis=1)
+    return np.asarray(np.linalg.norm(np.diff(sides / length[:, None], axis=0), axis=1))
 
 
 def _turned_in_steps(
@@ -186,15 +211,16 @@ def _corner_steps(
     points: Array, tolerance: float, changes: npt.NDArray[np.bool_]
 ) -> tuple[Array, npt.NDArray[np.bool_]]:
     """Distance of the control points to add on either side of each point (inf: none) [m], and which
-    points are smooth.
+    points the curve passes through.
 
     With neighbours at the distance d along both sides the curve passes the corner at d |t2 - t1| /
     6. Where the feed changes (`changes`, inner points) the segments must meet at the way-point;
-    without neighbours they meet a sixth of the difference of its sides beside it.
+    without neighbours they meet a sixth of the difference of its sides beside it. Where the way
+    turns back, neighbours at one distance make the way-point the farthest that the curve comes.
     """
     sides = np.diff(points, axis=0)
     length = np.linalg.norm(sides, axis=1)
-    bend = np.linalg.norm(np.diff(sides / length[:, None], axis=0), axis=1)
+    bend = _bends(points)
     before = length[:-1]
     after = length[1:]
     longer = np.maximum(before, after)
@@ -210,11 +236,15 @@ def _corner_steps(
     aside = ~smooth & changes & (np.abs(after - before) / 6 > tolerance)
     near = np.minimum(0.45 * np.minimum(before, after), FEED_STEP)
     needed = np.where(aside, np.minimum(needed, near), needed)
-    return np.concatenate([[np.inf], needed, [np.inf]]), np.concatenate([[False], smooth, [False]])
+    back = bend > BACK
+    even = np.minimum(6 * tolerance / np.maximum(bend, 1e-12), 0.45 * np.minimum(before, after))
+    needed = np.where(back, even, needed)
+    through = smooth | back
+    return np.pad(needed, 1, constant_values=np.inf), np.pad(through, 1, constant_values=False)
 
 
 def _with_neighbours(
-    points: Array, number: npt.NDArray[np.int64], step: Array, smooth: npt.NDArray[np.bool_]
+    points: Array, number: npt.NDArray[np.int64], step: Array, passed: npt.NDArray[np.bool_]
 ) -> tuple[Array, npt.NDArray[np.int64], npt.NDArray[np.bool_]]:
     """Control points: the way-points and, next to each corner, more on its sides; which of them the
     curve passes."""
@@ -236,18 +266,18 @@ def _with_neighbours(
                     fractions += [1 - 2 * part if at_end else 2 * part]
         control += [points[i] + f * side for f in sorted(fractions)] + [points[i + 1]]
         origin += [number[i + 1]] * (len(fractions) + 1)
-        through += [False] * len(fractions) + [bool(smooth[i + 1])]
+        through += [False] * len(fractions) + [bool(passed[i + 1])]
     return np.array(control), np.array(origin), np.array(through)
 
 
-def _through(points: Array, smooth: npt.NDArray[np.bool_]) -> Array:
-    """Control points V with (V_{i-1} + 4 V_i + V_{i+1}) / 6 = P_i at smooth points and V_i = P_i
-    elsewhere."""
-    if not smooth.any():
+def _through(points: Array, passed: npt.NDArray[np.bool_]) -> Array:
+    """Control points V with (V_{i-1} + 4 V_i + V_{i+1}) / 6 = P_i at points that are passed and
+    V_i = P_i elsewhere."""
+    if not passed.any():
         return points
     from scipy.linalg import solve_banded
 
-    side = np.where(smooth, 1 / 6, 0.0)
-    bands = np.array([np.roll(side, 1), np.where(smooth, 4 / 6, 1.0), np.roll(side, -1)])
+    side = np.where(passed, 1 / 6, 0.0)
+    bands = np.array([np.roll(side, 1), np.where(passed, 4 / 6, 1.0), np.roll(side, -1)])
     solution: Array = solve_banded((1, 1), bands, points)
     return solution

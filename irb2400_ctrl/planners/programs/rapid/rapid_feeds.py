@@ -1,12 +1,13 @@
-"""Where the feeds that a plan was made for change, row by row."""
+"""Where the feeds that a plan was made for change, and where its way turns back, row by row."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from irb2400_ctrl.arrays import Array, norms
+from irb2400_ctrl.arrays import Array, Mask, norms
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.planners.plan import Plan
+from irb2400_ctrl.planners.toolpath.task_curve import turning_back
 
 # how long before or after the time of a way-point the row beside it is looked for [s]
 _AROUND = 0.04
@@ -24,6 +25,14 @@ def feeds_of_rows(plan: Plan) -> Array:
     # from the last change to the first
     for point in np.flatnonzero(feed[1:] != feed[:-1])[::-1]:
         found[: _row_at(plan, int(point)) + 1] = feed[point]
+    return found
+
+
+def rows_that_stop(plan: Plan) -> Mask:
+    """Rows at which the way turns back, shape (n,): a corner zone there would leave, say, the
+    bottom of a hole by half its radius."""
+    found = np.zeros(len(plan.trajectory.time), dtype=bool)
+    found[[_row_at(plan, int(point)) for point in turning_back(plan.path)]] = True
     return found
 
 

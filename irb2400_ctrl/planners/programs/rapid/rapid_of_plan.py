@@ -12,7 +12,7 @@ from irb2400_ctrl.planners.linking.program_events import at_rest
 from irb2400_ctrl.planners.linking.program_motion import ProgramMotion
 from irb2400_ctrl.planners.linking.segment import TimedEvent
 from irb2400_ctrl.planners.plan import Plan
-from irb2400_ctrl.planners.programs.rapid.rapid_feeds import feeds_of_rows
+from irb2400_ctrl.planners.programs.rapid.rapid_feeds import feeds_of_rows, rows_that_stop
 from irb2400_ctrl.planners.programs.rapid.rapid_options import RapidOptions
 from irb2400_ctrl.planners.programs.rapid.rapid_program import RapidProgram, rapid_program
 from irb2400_ctrl.planners.toolpath.cam_program import Operation
@@ -46,6 +46,7 @@ def rapid_of_plan(
         plan.trajectory,
         options=options,
         X_BW=X_BW,
+        stops=rows_that_stop(plan),
         feeds=feeds_of_rows(plan),
         events=events,
         external=stands if moving is None else moving.shown,
@@ -95,6 +96,8 @@ def rapid_of_motion(
         if isinstance(segment.piece, Plan):
             own = feeds_of_rows(segment.piece)[1:]
             feeds[first + 1 : first + 1 + len(own)] = own
+            turning = rows_that_stop(segment.piece)
+            stops[first : first + len(turning)] |= turning
         if segment.positioner is not None and moving is None:
             external[first + (first > 0) :] = segment.positioner
     return rapid_program(
