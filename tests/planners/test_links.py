@@ -77,8 +77,9 @@ def test_a_move_that_would_sag_is_bent_over_the_plane() -> None:
 
 
 def test_a_move_that_cannot_stay_above_is_refused() -> None:
-    # the joint box leaves no room to bend the line
-    q, other = SAGGING
+    # the joint box leaves no room beside the line, on which the wrist dips the tool
+    q = np.array([0.0, 0.3, 0.0, -2.0, 0.6, 0.0])
+    other = q * [1, 1, 1, -1, 1, 1]
     height = min(MODEL.tcp_pose(v)[2, 3] for v in (q, other))
     narrow = ROBOT.model_copy(
         update={
@@ -101,7 +102,7 @@ def test_a_move_that_cannot_stay_above_is_refused() -> None:
 
 
 def test_an_arm_that_touches_something_where_it_stands_is_told_so(tmp_path: Path) -> None:
-    """It was the move that touched, and every bent one: another --clearance was no help."""
+    """It was the move that touched, and every other one: another --clearance was no help."""
     inside = np.radians([0.0, 40, 20, 0, 10, 0])
     at = (1e3 * MODEL.tcp_pose(inside)[:3, 3]).tolist()
     box = f'shapes = [{{ kind = "box", centre_mm = {at}, size_mm = [300, 300, 300] }}]'
@@ -114,6 +115,38 @@ def test_an_arm_that_touches_something_where_it_stands_is_told_so(tmp_path: Path
     aside = np.array([1.0, 0, 0, 0, 0, 0])
     way = raised_path(MODEL, inside - aside, inside + aside, plane(-1.0), scene)
     assert np.abs(way.coefficients[2]).max() > 0
+
+
+def test_a_way_around_what_no_bent_move_passes(tmp_path: Path) -> None:
+    """A wall between two places, and a roof over it: no lift is low enough and high enough."""
+    shapes = [
+        '{ kind = "box", centre_mm = [1150, 0, 450], size_mm = [900, 40, 900] }',
+        '{ kind = "box", centre_mm = [1350, 0, 1300], size_mm = [900, 1600, 80] }',
+    ]
+    things = "".join(
+        f'[[things]]\nname = "{name}"\nrole = "obstacle"\nshapes = [{shape}]\n'
+        for name, shape in zip(("wall", "roof"), shapes, strict=True)
+    )
+    file = tmp_path / "cell.toml"
+    file.write_text(f'name = "c"\nclearance_mm = 5\n{things}')
+    scene = Scene.of(MODEL, ROBOT, load_cell(file))
+    assert scene is not None
+    X = np.diag([-1.0, 1.0, -1.0, 1.0])
+    ends = []
+    for side in (-0.45, 0.45):
+        X[:3, 3] = [1.0, side, 0.5]
+        ends.append(MODEL.inverse_kinematics(X, np.zeros(6))[0])
+    path = raised_path(MODEL, *ends, plane(0.5), scene)
+    q = path(np.linspace(path.knots[0], path.knots[-1], 2000))
+    assert np.allclose(q[[0, -1]], ends)
+    assert (q >= ROBOT.q_min).all()
+    assert (q <= ROBOT.q_max).all()
+    assert MODEL.tcp_pose(q)[:, 2, 3].min() > 0.5 - 2e-3
+    standing = np.zeros(len(q), dtype=bool)
+    assert scene.clearance(q, standing, 1.0).min() >= 0.005
+    move = plan_joints(ROBOT, *ends, plane(0.5), TIMING, scene)
+    assert move.guaranteed
+    assert move.clearance["value"] >= 5.0
 
 
 def test_options_that_cannot_be() -> None:

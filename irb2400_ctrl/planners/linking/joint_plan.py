@@ -70,8 +70,9 @@ def plan_joints(
     timing: TimingOptions,
     scene: Scene | None = None,
 ) -> JointPlan:
-    """The fastest motion along a line in joint space, or along a parabola where the line would
-    bring the TCP below the clearance plane (or below its lower end, where that lies below).
+    """The fastest motion along a line in joint space, or along what `raised_path` finds where the
+    line would bring the TCP below the clearance plane (or below its lower end, where that lies
+    below), or the arm against something.
 
     Args:
         q_from, q_to: configurations in the joint box [rad], shape (n,).
@@ -80,8 +81,8 @@ def plan_joints(
         scene: the arm in its cell.
 
     Raises:
-        UnreachableError: no such parabola within the joint box, or (CollisionError) none that
-            touches nothing.
+        UnreachableError: no such path within the joint box, or (CollisionError) none that touches
+            nothing.
         InfeasibleError: the torque limits leave no motion; says where.
     """
     dynamics = path_dynamics(robot)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass, replace
+
 import numpy as np
 
 from irb2400_ctrl.arrays import Array
@@ -13,6 +15,7 @@ from irb2400_ctrl.planners.enclosure.tcp_path import TcpPath
 from irb2400_ctrl.planners.joint_box import outside_box
 from irb2400_ctrl.planners.joint_path import JointPath
 from irb2400_ctrl.planners.linking.clearance_plane import ClearancePlane
+from irb2400_ctrl.planners.linking.way_around import ways_around
 
 # how far below the plane the TCP may come [m]
 _SAG = 1e-3
@@ -22,6 +25,8 @@ _TRIES = 14
 _GROWTH = 1.35
 # first lift of a line that is high enough, but not free [m]
 _LIFT = 0.02
+# usual room on a way around, twice [m]
+_ROOM = 0.02
 # cells in which the height is enclosed
 _CELLS = 64
 
@@ -33,7 +38,8 @@ def raised_path(
     plane: ClearancePlane,
     scene: Scene | None = None,
 ) -> JointPath:
-    """The straight line in joint space, or the least bent parabola over it that stays above.
+    """The straight line in joint space, or the least bent parabola over it that stays above, or
+    else a way around what is touched (`ways_around`).
 
         q(t) = q_from + t (q_to - q_from) + 4 t (1 - t) bend,   0 <= t <= 1
 
@@ -44,8 +50,8 @@ def raised_path(
         scene: the arm in its cell, which the path may not touch, either.
 
     Raises:
-        UnreachableError: every such parabola leaves the joint box or stays too low.
-        CollisionError: those that do not touch something.
+        UnreachableError: all that was tried leaves the joint box or stays too low.
+        CollisionError: what does not touches something.
     """
     floor = _floor(model, q_from, q_to, plane)
     line = _parabola(q_from, q_to, np.zeros_like(q_from))
@@ -65,20 +71,57 @@ def raised_path(
                 if touched is None:
                     return path
             bend = _GROWTH * bend
+    _stands_free(scene, q_from, q_to)
+    room = _Room.between(model, q_from, q_to, plane, scene)
+    for path in ways_around(q_from, q_to, (model.robot.q_min, model.robot.q_max), room.free):
+        if _lowest_sample(model, path, plane) >= floor and touching(scene, path) is None:
+            return path
     if touched is not None:
-        _stands_free(scene, q_from, q_to)
         first, other = touched.pair
         raise CollisionError(
             f"the move of the joints between two operations brings {first} and {other} together, "
-            "and so does every bent one; move the work frame, or give another --clearance or "
-            "--start"
+            "no bent one stays free, and no way around was found; move the work frame, or give "
+            "another --clearance or --start"
         )
     depth = 1e3 * (floor - _lowest_sample(model, line, plane))
     raise UnreachableError(
         f"the move of the joints between two operations would bring the tool {depth:.0f} mm below "
-        "the clearance plane, and no bent one inside the joint box stays above it; move the work "
+        "the clearance plane, and no other one inside the joint box stays above it; move the work "
         "frame, or give another --clearance or --start"
     )
+
+
+@dataclass(frozen=True)
+class _Room:
+    """Where an arm may stand on its way around."""
+
+    model: Model
+    plane: ClearancePlane
+    floor: float
+    scene: Scene | None
+    room: float
+    """kept free beyond what is asked for, for what lies between the places looked at [m]"""
+
+    @classmethod
+    def between(
+        cls, model: Model, q_from: Array, q_to: Array, plane: ClearancePlane, scene: Scene | None
+    ) -> _Room:
+        """With half the room of the ends, where that is less than usual."""
+        some = cls(model, plane, _floor(model, q_from, q_to, plane), scene, _ROOM)
+        return replace(some, room=min(some.left(np.array([q_from, q_to])), _ROOM) / 2)
+
+    def left(self, q: Array) -> float:
+        """Least room at q (m, n), as far as it is of interest [m]."""
+        if self.scene is None:
+            return np.inf
+        kept = np.full(self.scene.pairs, self.scene.keep)
+        still = np.zeros(len(q), dtype=bool)
+        return float(self.scene.clearance(q, still, 2 * self.room, None, kept).min())
+
+    def free(self, q: Array) -> bool:
+        """Whether all of q (m, n) are above the plane and have the room."""
+        heights = self.model.tcp_pose(q)[:, :3, 3] @ self.plane.up - self.plane.height
+        return bool(heights.min() >= self.floor) and self.left(q) > self.room
 
 
 def _stands_free(scene: Scene | None, *ends: Array) -> None:
