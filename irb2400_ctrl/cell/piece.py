@@ -139,8 +139,13 @@ def cell_pieces(cell: Cell, robot: Robot | None = None) -> list[Piece]:
         robot: whose gravity says where the floor is; default straight down.
 
     Raises:
-        InputError: a mesh cannot be read, or a thing is a speck.
+        InputError: a mesh cannot be read; a thing is a speck, cuts, or is called as the floor.
     """
+    if cell.floor_mm is not None and any(thing.name == FLOOR for thing in cell.things):
+        raise InputError(
+            f"cell {cell.name}: found a thing called {FLOOR!r}, as the floor at floor_mm is; "
+            "expected another name, or no floor_mm"
+        )
     found = []
     for thing in cell.things:
         X = cell.work_frame if thing.frame == "work_object" else cell.seen
@@ -167,6 +172,20 @@ def cell_pieces(cell: Cell, robot: Robot | None = None) -> list[Piece]:
     return found
 
 
+def no_namesakes(arm: Sequence[Piece], things: Sequence[Piece]) -> None:
+    """Refuses a thing whose name in a message would be that of a body of the arm.
+
+    Raises:
+        InputError: there is one.
+    """
+    both = sorted({piece.name for piece in things} & {piece.name for piece in arm})
+    if both:
+        raise InputError(
+            f"the cell has a thing called {both[0]!r}, as a body of the arm or its tool is; "
+            "expected another name, so that messages say which of the two they mean"
+        )
+
+
 def open_meshes(pieces: Sequence[Piece]) -> str | None:
     """What to ask of meshes that have no inside, in which a body that slips through a gap is free;
     None where there are none.
@@ -189,6 +208,11 @@ def _shapes(cell: Cell, thing: Thing) -> list[Solid | Surface]:
     solids = [s for s in thing.shapes if isinstance(s, Solid)]
     if len(solids) == len(thing.shapes):
         _no_speck(f"cell {cell.name}, {thing.name}", solids, _SPECK)
+    if not thing.may_be_cut and any(solid.cuts for solid in solids):
+        raise InputError(
+            f"cell {cell.name}, {thing.name}: found cuts = true, which belongs to the shapes of a "
+            f'tool; what may be cut has the role "part" or "stock", and this is "{thing.role}"'
+        )
     return [s if isinstance(s, Solid) else read_mesh(s, cell.folder) for s in thing.shapes]
 
 

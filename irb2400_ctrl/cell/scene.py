@@ -15,7 +15,7 @@ from irb2400_ctrl.cell.arm_space import arm_space
 from irb2400_ctrl.cell.description import Cell, CellTool
 from irb2400_ctrl.cell.external_axes import ExternalAxes
 from irb2400_ctrl.cell.narrow import Narrow, load_coal
-from irb2400_ctrl.cell.piece import Piece, cell_pieces
+from irb2400_ctrl.cell.piece import Piece, cell_pieces, no_namesakes
 from irb2400_ctrl.cell.reach import rates, reach
 from irb2400_ctrl.cell.rough import Rough
 from irb2400_ctrl.model import Model
@@ -69,12 +69,13 @@ class Scene:
             tool: of the cell, in the spindle.
 
         Raises:
-            InputError: a mesh cannot be read, or coal is not installed.
+            InputError: a mesh cannot be read, coal is not installed, or two bodies have one name.
         """
         if robot.outline is None:
             return None
         arm, own, _ = arm_space(robot, tool)
         things = [] if cell is None else cell_pieces(cell, robot)
+        no_namesakes(arm, things)
         if things:
             load_coal()
         outer = [(i, k) for i, p in enumerate(arm) if p.link > 0 for k in range(len(things))]

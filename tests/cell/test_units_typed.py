@@ -8,12 +8,14 @@ import pytest
 
 from irb2400_ctrl import load_robot
 from irb2400_ctrl.cell import Cell, load_cell
+from irb2400_ctrl.cell.metres_typed import metres_typed
 from irb2400_ctrl.cell.piece import arm_pieces
 from irb2400_ctrl.cell.radians_typed import radians_typed
 from irb2400_ctrl.cli.planning.placing import doubts
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.planners import read_program
 from irb2400_ctrl.planners.plan_options import PlanOptions
+from irb2400_ctrl.robot.shape import pose
 
 THING = '[[things]]\nname = "box"\nrole = "table"\nshapes = [{shape}]\n'
 BOX = '{ kind = "box", centre_mm = [0, 0, 0], size_mm = [9, 9, 9] }'
@@ -69,6 +71,33 @@ def test_a_positioner_in_radians_is_asked_about(tmp_path: Path) -> None:
     assert "the positioner has an angle of 1.5708 " in asked
 
 
+@pytest.mark.parametrize(
+    ("tip", "says"),
+    [
+        ("[0, 0, 0.3]", "at 0, 0, 0.3 mm, which is next to nothing: if these are metres, state "),
+        ("[0, 0, 0]", ""),
+        ("[0, 0, 0.004]", ""),
+        ("[0.2, 0, 80]", ""),
+    ],
+)
+def test_a_tip_in_metres_is_asked_about(tmp_path: Path, tip: str, says: str) -> None:
+    """The tip was where the robot file has it, and the part 0.3 m too near."""
+    shape = BOX.replace("centre_mm = [0, 0, 0]", "centre_mm = [0, 0, -20]")
+    text = f'name = "a"\n[[tools]]\nname = "MILL"\noffset_mm = {tip}\nshapes = [{shape}]\n'
+    asked = metres_typed(cell(tmp_path, text), None)
+    told = f"tool MILL has its tip (offset_mm) {says}0, 0, 300"
+    assert asked == (told if says else None)
+
+
+def test_a_work_frame_in_metres_is_asked_about() -> None:
+    assert metres_typed(None, pose((0.9, 0.0, 0.5), (0, 0, 0))) == (
+        "the work frame stands at 0.9, 0, 0.5 mm, which is next to nothing: if these are metres, "
+        "state 900, 0, 500"
+    )
+    for sound in ((0.0, 0.0, 0.0), (900.0, 0.0, 500.0), (0.0, 0.0, 6.0)):
+        assert metres_typed(None, pose(sound, (0, 0, 0))) is None
+
+
 @pytest.mark.parametrize("reach", ["[0, 3]", "[1000, 0]"])
 def test_a_rail_in_metres_is_refused(tmp_path: Path, reach: str) -> None:
     rail = 'name = "a"\n[rail]\ndirection = [0, 1, 0]\nrange_mm = '
@@ -84,3 +113,4 @@ def test_plan_asks(tmp_path: Path) -> None:
     options = PlanOptions(cell=placed)
     asked = doubts(load_robot("irb2400"), read_program(file), options)
     assert any("90 degrees as radians" in question for question in asked)
+    assert any("stands at 1, 2, 3 mm, which is next to nothing" in question for question in asked)

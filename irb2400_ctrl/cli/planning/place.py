@@ -141,11 +141,12 @@ def place(
 
 def _asked(found: Placement, cell: Cell | None) -> dict[str, Any]:
     """The content of `placement.json`, after asking whether the start is as it is meant to be."""
+    from irb2400_ctrl.cell.metres_typed import metres_typed
     from irb2400_ctrl.cell.radians_typed import radians_typed
 
     asked = [f"{o} at the start; the two may stand so elsewhere, too" for o in found.overlapping]
-    radians = radians_typed(cell, found.start.X_BW)
-    for question in [*asked, *([] if radians is None else [radians])]:
+    units = [metres_typed(cell, None), radians_typed(cell, found.start.X_BW)]
+    for question in [*asked, *(said for said in units if said is not None)]:
         print(f"is this meant? {question}")
     return found.summary()
 

@@ -49,13 +49,14 @@ def placed(
 
 def doubts(arm: Robot, program: CamProgram, options: PlanOptions) -> list[str]:
     """What to ask of the place of a part: a spindle below it, a path beside it, a mesh with gaps,
-    angles in radians, a misspelt operation.
+    angles in radians, places in metres, a misspelt operation.
 
     Args:
         arm: whose gravity says what is below.
         program: its points in the frame of the CAM file.
         options: with the frame and the cell.
     """
+    from irb2400_ctrl.cell.metres_typed import metres_typed
     from irb2400_ctrl.cell.piece import cell_pieces, open_meshes
     from irb2400_ctrl.cell.radians_typed import radians_typed
     from irb2400_ctrl.planners.clearance.beside_part import beside_part
@@ -70,6 +71,7 @@ def doubts(arm: Robot, program: CamProgram, options: PlanOptions) -> list[str]:
         beside_part(program, pieces, frame),
         open_meshes(pieces),
         radians_typed(cell, frame),
+        metres_typed(cell, frame),
         None if cell is None else _misspelt(program, cell),
     ]
     return [question for question in found if question is not None]
