@@ -58,7 +58,9 @@ class PlannedEntry(Table):
     duration_s: Positive | None = None
     singularity_margin: dict[str, float] | None = None
     margins: dict[str, float] | None = Field(
-        None, description="the same as parts of their largest values, as of the continuous path"
+        None,
+        description="the same as parts of their largest values, and joint_limits_deg, as of the "
+        "continuous path",
     )
     clearance_mm: float | None = None
     max_torque_ratio: NotNegative | None = None

@@ -7,6 +7,7 @@ import numpy as np
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InfeasibleError, InputError
 from irb2400_ctrl.model import Model
+from irb2400_ctrl.robot import Robot
 
 
 def outside_box(model: Model, q: Array) -> str | None:
@@ -27,6 +28,12 @@ def outside_box(model: Model, q: Array) -> str | None:
         if not low - 1e-7 <= difference[worst] <= high + 1e-7:
             return f"q3 - q2 at {difference[worst]:.2f} deg, range {low:.0f} to {high:.0f} deg"
     return None
+
+
+def left_in_box(robot: Robot, q: Array) -> Array:
+    """How far the nearest end of a range is from configurations (..., n), negative outside [rad],
+    shape (...)."""
+    return np.asarray(np.minimum(q - robot.q_min, robot.q_max - q).min(axis=-1))
 
 
 def inside_box(model: Model, name: str, q: Array) -> None:

@@ -175,6 +175,17 @@ def test_a_plan_of_another_way_than_the_judged_one_says_so() -> None:
     assert "another way" not in planned_margins(planned, judged)
 
 
+def test_a_plan_nearer_to_the_joint_limits_says_so() -> None:
+    """A place with 50.4 deg to the joint limits was planned with 45.1 deg, which nobody printed."""
+    judged = {"margins": {"wrist": 0.6, "joint_limits_deg": 50.4}}
+    planned = {"margins": {"wrist": 0.6, "joint_limits_deg": 45.1}}
+    told = planned_margins(planned, judged)
+    assert "wrist 0.6, joint limits 45.1 deg; another way" in told
+    assert "judged above (joint limits 50.4 deg)" in told
+    planned["margins"]["joint_limits_deg"] = 50.1
+    assert "another way" not in planned_margins(planned, judged)
+
+
 RAIL = """
 name = "on a rail"
 [work_object]

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
-OTHER_WAY = 0.02
-"""of a margin between the way judged and the one planned, from which they are not the same: what is
-planned is a bound, and lies a little below"""
+OTHER_WAY = 0.07
+"""of what is comfortable of a margin, between the way judged and the one planned, from which they
+are not the same: what is planned is a bound, and lies a little below"""
 
 
 def margin_lines(start: dict[str, Any], found: dict[str, Any]) -> list[str]:
@@ -44,24 +44,30 @@ def margin_lines(start: dict[str, Any], found: dict[str, Any]) -> list[str]:
 
 
 def planned_margins(planned: dict[str, Any], followed: dict[str, Any] | None) -> str:
-    """How near the planned motion comes to the singularities, and whether it takes another way than
-    the one that the place was judged by.
+    """How near the planned motion comes to the singularities and the joint limits, and whether it
+    takes another way than the one that the place was judged by.
 
     Args:
         planned: as in placement.json, at a place; followed: its `continuous`.
     """
-    told = ", ".join(f"{name} {value:.3g}" for name, value in planned["margins"].items())
+    from irb2400_ctrl.planners.redundancy.comfort import comfortable
+
     judged = {} if followed is None else followed["margins"]
     nearer = [
-        f"{name} {judged[name]:.3g}"
+        _named(name, judged[name])
         for name, value in planned["margins"].items()
-        if judged.get(name, 0.0) - value > OTHER_WAY
+        if judged.get(name, 0.0) - value > OTHER_WAY * comfortable(name)
     ]
     other = (
         f"; another way than the one judged above ({', '.join(nearer)}): of ways that are alike in "
         "comfort the quickest is planned, under a cutting force the one that gives way least"
     )
+    told = ", ".join(_named(name, value) for name, value in planned["margins"].items())
     return f"distance from the singularities: {told}{other if nearer else ''}"
+
+
+def _named(name: str, value: float) -> str:
+    return f"joint limits {value:.1f} deg" if name == "joint_limits_deg" else f"{name} {value:.3g}"
 
 
 def _shown(value: float | str | None) -> str:

@@ -230,7 +230,10 @@ def _planned(
     out: Path,
 ) -> dict[str, Any]:
     """What planning the operations one by one gives at a place."""
+    import numpy as np
+
     from irb2400_ctrl.model import Model
+    from irb2400_ctrl.planners.joint_box import left_in_box
     from irb2400_ctrl.planners.plan_path import plan_asked
     from irb2400_ctrl.planners.redundancy.singularity_margins import NAMES, scales
 
@@ -238,6 +241,7 @@ def _planned(
     around = None if cell is None else cell.placed(X_BW)
     there = replace(options, cell=around, work_frame=X_BW, load=load)
     told: list[dict[str, Any]] = []
+    limits: list[float] = []
     for number, operation in enumerate((o for p in programs for o in p.operations), 1):
         try:
             asked = there.for_operation(operation, found.robot)
@@ -246,6 +250,7 @@ def _planned(
             return {"refused": f"operation {number}: {error}"}
         plan.write(out / f"{number:02d}")
         told.append(plan.summary())
+        limits.append(float(np.degrees(left_in_box(found.robot, plan.trajectory.q).min())))
     margins = [s["singularity_margin"] for s in told]
     clearance = [s["clearance_mm"]["value"] for s in told]
     known = [value for value in clearance if value is not None]
@@ -256,7 +261,10 @@ def _planned(
         "refused": "",
         "duration_s": sum(s["duration_s"] for s in told),
         "singularity_margin": least,
-        "margins": {name: value / sizes[name] for name, value in least.items()},
+        "margins": {
+            **{name: value / sizes[name] for name, value in least.items()},
+            "joint_limits_deg": min(limits),
+        },
         "clearance_mm": min(known, default=None),
         "max_torque_ratio": max(s["max_torque_ratio"] for s in told),
         "max_velocity_ratio": max(s["max_velocity_ratio"] for s in told),

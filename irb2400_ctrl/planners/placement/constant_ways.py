@@ -8,6 +8,7 @@ import numpy as np
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.model import Model
+from irb2400_ctrl.planners.joint_box import left_in_box
 from irb2400_ctrl.planners.redundancy.ladder_graph import BOX_INSET
 from irb2400_ctrl.planners.redundancy.ladder_moves import LARGEST_STEP
 from irb2400_ctrl.planners.redundancy.singularity_margins import reach_left, relative_margins
@@ -43,7 +44,7 @@ def constant_ways(model: Model, base: Array) -> Ways:
     q = q[:, (np.abs(np.diff(q, axis=0)) < LARGEST_STEP).all(axis=(0, 2))]
     centre = (robot.q_min + robot.q_max) / 2
     q = q + _TURN * np.round((centre - (q.min(axis=0) + q.max(axis=0)) / 2) / _TURN)
-    box = np.minimum(q - robot.q_min, robot.q_max - q).min(axis=(0, 2), initial=np.inf)
+    box = left_in_box(robot, q).min(axis=0, initial=np.inf)
     inside = box > BOX_INSET
     q = np.ascontiguousarray(q[:, inside].transpose(1, 0, 2))
     if not len(q):

@@ -10,6 +10,7 @@ import numpy as np
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import UnreachableError
+from irb2400_ctrl.planners.joint_box import left_in_box
 from irb2400_ctrl.planners.placement.task import Task
 from irb2400_ctrl.planners.redundancy.choice import Choice
 from irb2400_ctrl.planners.redundancy.choices import choices
@@ -74,11 +75,9 @@ def _choice(task: Task, X_BW: Array, load: CuttingLoad | None) -> Choice:
 
 
 def _margins(task: Task, choice: Choice) -> dict[str, float]:
-    robot = task.model.robot
     _, q = _way(choice)
-    box = np.minimum(q - robot.q_min, robot.q_max - q)
     found = dict(zip(NAMES, choice.margins.tolist(), strict=True))
-    found["joint_limits_deg"] = float(np.degrees(box.min()))
+    found["joint_limits_deg"] = float(np.degrees(left_in_box(task.model.robot, q).min()))
     if choice.clearance is not None:
         found["clearance_mm"] = 1e3 * choice.clearance.value
     return found

@@ -12,11 +12,12 @@ from typing import Any
 
 import numpy as np
 
-from irb2400_ctrl.arrays import Array, Integers, less_turns
+from irb2400_ctrl.arrays import Array, Integers, Mask, less_turns
 from irb2400_ctrl.cell import Scene
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.planners.clearance import cutting_moves
 from irb2400_ctrl.planners.clearance.room import room
+from irb2400_ctrl.planners.joint_box import left_in_box
 from irb2400_ctrl.planners.redundancy.choice import Choice
 from irb2400_ctrl.planners.redundancy.choices import GRID, cutting_at, stations
 from irb2400_ctrl.planners.redundancy.comfort import feed_and_torque, middled, part_of_comfort
@@ -89,7 +90,7 @@ def rotation_map(
     known = np.isfinite(q).all(axis=2)
     parts = np.full((4, *known.shape), np.nan)
     limit = np.where(known, 0, LIMITS.index("out of reach"))
-    room = np.minimum(q - model.robot.q_min, model.robot.q_max - q).min(axis=2)
+    room = left_in_box(model.robot, q)
     parts[0] = part_of_comfort("joint_limits_deg", np.degrees(room))
     singular = relative_margins(model, q[known]).min(axis=1)
     parts[1][known] = part_of_comfort("singularity", singular)
@@ -152,7 +153,7 @@ def _rate(orientation: Orientation, u: Array, steps: Array, q: Array) -> Array:
 
 
 def _clearance(
-    orientation: Orientation, scene: Scene | None, u: Array, q: Array, asked: Array
+    orientation: Orientation, scene: Scene | None, u: Array, q: Array, asked: Mask
 ) -> Array:
     """Room beside what is to be kept, as a part of what is comfortable, shape (n, r)."""
     found = np.full(asked.shape, np.nan)

@@ -185,7 +185,8 @@ def _add_planned(page: Page, planned: Mapping[str, Any]) -> None:
     for key in NAMES:
         values = [(planned[at].get("margins") or {}).get(key) for at in ("start", "found")]
         if any(value is not None for value in values):
-            rows.append([_name(key), *("-" if value is None else value for value in values), "-"])
+            told = ["-" if value is None else value for value in values]
+            rows.append([_name(key), *told, _unit(key).strip() or "-"])
     page.table("Start and found", ["quantity", "start", "found", "unit"], rows)
     page.text(
         "Of ways that are alike in comfort the quickest is planned, under a cutting force the one "
