@@ -49,6 +49,16 @@ def test_smoothing_and_names_move_nothing(tmp_path: Path, block: str) -> None:
     assert np.allclose(1e3 * found.path.position, [[0, 0, 9], [0, 0, 1]])
 
 
+@pytest.mark.parametrize("block", ["G61", "G9", "G1 G9 X3", "G60", "G61.1"])
+def test_exact_stops_are_said_not_to_be_made(tmp_path: Path, block: str) -> None:
+    """They were listed as what moves nothing, and the corners were cut by the tolerance."""
+    read = program(tmp_path, f"G21 G90 G54 G64\nG0 X0 Y0 Z9\nG1 F60 Z1\n{block}\nG1 X9\nM30\n")
+    assert "exact stops, which are not made: corners may be cut" in str(read.of_kind("assumed"))
+    assert "G64" in str(read.of_kind("ignored"))
+    plain = program(tmp_path, "G21 G90 G54\nG0 X0 Y0 Z9\nG1 F60 Z1\nG4 P1\nX9\nM30\n")
+    assert "exact" not in str(plain.notes)
+
+
 def test_the_tools_length_of_okuma_is_no_work_frame(tmp_path: Path) -> None:
     text = "G21 G90\nG15 H1\nG0 X0 Y0\nG56 H4 Z50.\nG1 Z1 F60\nX5\nM2\n"
     read = program(tmp_path, text)

@@ -11,8 +11,13 @@ from irb2400_ctrl.planners.toolpath.readers.gcode.state import AXES, ROTARY, SPL
 from irb2400_ctrl.planners.toolpath.readers.program_builder import ProgramBuilder
 
 MOTION = {0, 1, 2, 3, 80, *SPLINES, *CYCLES}
-# exact stop, blending, safe zones, look-ahead, compensation off: nothing for the points
-_QUIET = """8 9 22 23 25 26 40 49.1 50 50.1 60 61 61.1 62 63 64 67 69.1 80.1 97 103 131 187 290 332
+EXACT_STOPS = frozenset([9.0, 60.0, 61.0, 61.1])
+EXACT_STOP = (
+    "G9, G60, G61: exact stops, which are not made: corners may be cut by --tolerance-mm, state "
+    "less where that counts; where the way turns back or waits the tool is exact"
+)
+# blending, safe zones, look-ahead, compensation off: nothing for the points
+_QUIET = """8 22 23 25 26 40 49.1 50 50.1 62 63 64 67 69.1 80.1 97 103 131 187 290 332
 601 602 603 641 642 643 644 645 450 451"""
 HARMLESS = frozenset(map(float, _QUIET.split()))
 # take axis words for something else than a place to go to, or end something

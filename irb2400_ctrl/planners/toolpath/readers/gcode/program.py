@@ -10,6 +10,8 @@ from irb2400_ctrl.planners.toolpath.cam_program import CamProgram
 from irb2400_ctrl.planners.toolpath.readers.feed import LENGTHS
 from irb2400_ctrl.planners.toolpath.readers.gcode.blocks import Block, blocks
 from irb2400_ctrl.planners.toolpath.readers.gcode.codes import (
+    EXACT_STOP,
+    EXACT_STOPS,
     HARMLESS,
     MOTION,
     REFUSED,
@@ -249,6 +251,8 @@ class _Reader:
             raise InputError(f"G{code:g} is {REFUSED[code]}; not read")
         elif code in HARMLESS:
             self._builder.ignore(f"G{code:g}")
+        elif code in EXACT_STOPS:
+            self._builder.assume(EXACT_STOP)
         elif code not in MOTION and code not in SPECIAL:
             raise InputError(f"unknown code G{code:g}")
 

@@ -237,7 +237,7 @@ class GcodeState:
         if missing:
             raise InputError(
                 f"a cut, but {' and '.join(missing)} of the tool is not stated yet; "
-                "expected a G0 to a stated place before it"
+                "expected a rapid move (G0, or L with FMAX) to a stated place before it"
             )
         p = np.array(point, dtype=float)
         return np.asarray(self.tilt[:3, :3] @ p + self.tilt[:3, 3])
