@@ -19,6 +19,7 @@ from irb2400_ctrl.identification.fitting.fitted import Fit
 from irb2400_ctrl.identification.fitting.given import given_torque
 from irb2400_ctrl.identification.fitting.moments import Recording, predicted
 from irb2400_ctrl.identification.fitting.motion_source import Source
+from irb2400_ctrl.identification.fitting.zeros import other_zeros
 from irb2400_ctrl.identification.force_sensor import SensedLoad, sensed_load, with_load
 from irb2400_ctrl.identification.friction_curve import (
     FrictionCurve,
@@ -151,7 +152,8 @@ def _identified(robot: Robot, seen: Logs, others: Logs, gains: Gains | None) -> 
     late_beside = delays(model, kept, beside.logs)
     parts_beside = given_torque(kept, prepared(beside.logs, source, late_beside))
     results += _validated(model, robot, found, parts_beside)
-    against = [*borne_out(sound, results), *odd_logs(found, parts)]
+    zeros = [one.says() for one in other_zeros(model, found, parts)]
+    against = [*zeros, *borne_out(sound, results), *odd_logs(found, parts)]
     told_late = [one for one in (*late, *late_beside) if one is not None]
     identified = Identification(
         given=robot,

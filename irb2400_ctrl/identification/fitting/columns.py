@@ -7,7 +7,7 @@ phi are the ten inertial numbers of every link (m, m c, I_O), the tool folded in
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -33,10 +33,15 @@ EXTRA_COLUMNS = {
     "power": ("root qd",),
     "load": ("load sgn qd",),
     "reading": ("-qdd",),
+    "zero": ("d torque / d angle",),
 }
-"""kinds of extras and their columns; those of a coupling act on this joint and on the other"""
+"""kinds of extras and their columns; those of a coupling act on this joint and on the other, that
+of a zero on every joint"""
 
 States = tuple[Array, Array, Array]
+
+SLOPE_STEP = 1e-4
+"""[rad] either way, over which the torque of the bodies is differentiated"""
 
 EXPONENT = 0.5
 """of friction that grows less than in proportion to speed; beside Coulomb's and the viscous part,
@@ -73,7 +78,7 @@ class ColumnLayout:
     Args:
         n: joints; extras: beside the drive terms of every joint.
         pressing: bodies phi whose torque the gears carry, as far as they are known before the fit,
-            (10 n,); only friction that grows with it asks for them.
+            (10 n,); only friction that grows with it, and zeros, ask for them.
     """
 
     n: int
@@ -196,8 +201,25 @@ def _drive_signals(
             yield layout.inertial + layout.n * place + joint, joint, signal[:, joint]
     for extra in layout.extras:
         first = layout.extra(extra).start
+        if extra.kind == "zero":
+            slope = _slope(model, layout.pressing, states, extra.joint - 1)
+            for joint in range(layout.n):
+                yield first, joint, slope[:, joint]
+            continue
         for place, (joint, one) in enumerate(_extra_signals(model, extra, states, load)):
             yield first + place, joint, one
+
+
+def _slope(model: Model, bodies: Sequence[float], states: States, j: int) -> Array:
+    """d torque of the bodies / d angle of joint j (from 0), shape (m, n) [Nm/rad]."""
+    q, qd, qdd = states
+    step = np.zeros(q.shape[1])
+    step[j] = SLOPE_STEP
+    above, below = (
+        np.asarray(model.body_torque(q + way * step, qd, qdd, np.array(bodies)))
+        for way in (1.0, -1.0)
+    )
+    return np.asarray((above - below) / (2.0 * SLOPE_STEP))
 
 
 def _extra_signals(

@@ -37,6 +37,8 @@ LIKE_DRY = 1.0
 only their sum, and what is all viscous there is many times a drive's torque at full speed"""
 GEAR_LOSS = 0.05
 """dry friction over the torque that a gear carries [-]"""
+ZERO_OFF = 0.5
+"""[rad] a zero that is not the file's"""
 
 
 @dataclass(frozen=True)
@@ -140,6 +142,8 @@ def _extra_widths(extra: Extra, wide: Array, speed: Array, acceleration: Array) 
         return np.array([wide[j] / acceleration[j]])
     if extra.kind == "load":
         return np.array([GEAR_LOSS])
+    if extra.kind == "zero":
+        return np.array([ZERO_OFF])
     if extra.kind == "power":
         return np.array([wide[j] / speed[j] ** EXPONENT])
     return np.full(extra.size, wide[j])
