@@ -10,6 +10,7 @@ import numpy as np
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.measurement.log import Log
+from irb2400_ctrl.plausibility.balancer import beside_a_balancer
 from irb2400_ctrl.plausibility.columns.jumps import MOVES
 from irb2400_ctrl.plausibility.criteria import (
     FITS_PRICE,
@@ -130,6 +131,11 @@ def _beside_what_differs(nominal: Nominal, log: Log, rows: Rows) -> Understandin
             joints = " and ".join(f"joint {j + 1}" for j in nominal.balanced)
             said = OTHER_STRENGTH.format(joints=joints)
             return replace(_understood(freed, log, rows), although=said)
+    if found.problem and not nominal.balanced:
+        beside = beside_a_balancer(nominal, rows, found.best)
+        if beside is not None:
+            fit, said = beside
+            return Understanding(fit, fit, as_labelled(robot.n), None, although=said)
     stated = robot.friction.any() and robot.identified is None
     if sound(found.labelled, robot.n) or not stated:
         return found
@@ -201,9 +207,10 @@ def _understood(nominal: Nominal, log: Log, rows: Rows) -> Understanding:
         moves = np.ptp(rows.q, axis=0) > MOVES
         clear = clearly_better(part, labelled, on=moves)
         fits = sound(part, robot.n) if alone else part.price < FITS_PRICE * scale
+        least = min(best.cost, part.cost)
         if better and clear and fits:
             problem = said
-        least = min(best.cost, part.cost)
+            best = part
         if not alone:
             problem = mounting_problem(nominal, rows, labelled, least, problem) or problem
     return Understanding(labelled, best, reading, problem, although=although)
