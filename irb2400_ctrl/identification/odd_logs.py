@@ -13,7 +13,10 @@ from dataclasses import replace
 import numpy as np
 
 from irb2400_ctrl.arrays import Array, Integers
-from irb2400_ctrl.identification.fitting.baseline import plain_least_squares
+from irb2400_ctrl.identification.fitting.baseline import (
+    plain_least_squares,
+    shortest_inverse,
+)
 from irb2400_ctrl.identification.fitting.columns import ColumnLayout
 from irb2400_ctrl.identification.fitting.fitted import Fit
 from irb2400_ctrl.identification.fitting.moments import Moments, Recording
@@ -38,6 +41,8 @@ OF_THEIR_OWN = (
     ),
 )
 """terms of the drives that may differ between logs of one arm; what is said where they do"""
+CLEAR = 5.0
+"""standard errors of the mass that one log has more at the last link than the others"""
 FEWEST = 100
 """samples of a joint that counts"""
 LITTLE = 1e-3
@@ -58,14 +63,14 @@ def odd_logs(found: Fit, parts: Sequence[Recording]) -> list[str]:
     each = [_rms(sums, own, _alone(sums, own)) for own in blocks]
     every = range(len(parts))
     worst = _ratios(sums, blocks, each, every)
+    loaded = _loaded(found, parts, sums, blocks, each)
     if not worst.max() > TWICE:
-        return []
+        return loaded
     place, joint = (int(k) for k in np.unravel_index(int(np.argmax(worst)), worst.shape))
     told = _told(parts, each, place, joint, float(worst[place, joint]))
     for terms, differ, agree in OF_THEIR_OWN:
-        own = np.concatenate([np.arange(bare.count)[bare.drive(term)] for term in terms])
-        if not _ratios_with_own(sums, blocks, each, own).max() > TWICE:
-            return [f"{differ}: {told}; {agree} What is written lies between"]
+        if not _ratios_with_own(sums, blocks, each, _own_columns(bare, terms)).max() > TWICE:
+            return loaded or [f"{differ}: {told}; {agree} What is written lies between"]
     if len(parts) == 2:
         names = " and ".join(part.motion.name for part in parts)
         return [f"{names} disagree: {told}; are both of this arm, {ALIKE}?"]
@@ -77,6 +82,54 @@ def odd_logs(found: Fit, parts: Sequence[Recording]) -> list[str]:
         f"{parts[odd].motion.name} does not belong to the other logs: {told}; without it the "
         "others agree. Of another arm, load or mounting? Identify it apart"
     ]
+
+
+def _loaded(
+    found: Fit,
+    parts: Sequence[Recording],
+    sums: Moments,
+    blocks: Sequence[Integers],
+    each: Sequence[Array],
+) -> list[str]:
+    """What is said of a log with another load than the rest; nothing where that is not clear, or
+    where frictions or offsets of all logs' own leave no more.
+
+    Args:
+        found: the fit to all logs; parts: the logs.
+        sums: with its columns, without extras.
+        blocks: of each log.
+        each: what is left of each alone, (n,).
+    """
+    p = sums.g.shape[-1]
+    last = 10 * (found.layout.n - 1)
+    told = []
+    for log in range(len(blocks)):
+        every = _with_own(sums, blocks, last + np.arange(4), [log])
+        theta = plain_least_squares(every)
+        data = every.summed()
+        mean = data.squared_error(theta)[0] / np.maximum(data.count[0], 1.0)
+        weight = 1.0 / (_counted(data.c[0], data.count[0], mean) ** 2 + 1e-18) / found.samples
+        inverse = shortest_inverse(np.einsum("n,npq->pq", weight * (mean > 0.0), data.H[0]))
+        error = float(np.sqrt(np.maximum(inverse[p, p], 1e-18)))
+        left = float(_left_of(every, each, theta).max())
+        told.append((abs(float(theta[p])) / error, log, float(theta[p]), error, left))
+    clear, odd, mass, error, left = max(told)
+    bare = ColumnLayout(found.layout.n)
+    others = (_own_columns(bare, terms) for terms, _, _ in OF_THEIR_OWN)
+    if clear < CLEAR or left > AGREEING:
+        return []
+    if any(_ratios_with_own(sums, blocks, each, own).max() <= left for own in others):
+        return []
+    return [
+        f"the load of the logs is not the same: {parts[odd].motion.name} has {mass:+.2g} ± "
+        f"{1.96 * error:.1g} kg at the last link beside the others; identify it apart, or state "
+        "its load. What is written lies between"
+    ]
+
+
+def _own_columns(bare: ColumnLayout, terms: Sequence[str]) -> Integers:
+    """Columns of some terms of the drives."""
+    return np.concatenate([np.arange(bare.count)[bare.drive(term)] for term in terms])
 
 
 def _told(
@@ -109,25 +162,42 @@ def _ratios_with_own(
     sums: Moments, blocks: Sequence[Integers], each: Sequence[Array], own: Integers
 ) -> Array:
     """`_ratios` of all logs, each with numbers of its own in some columns, (logs, n)."""
+    every = _with_own(sums, blocks, own, range(len(blocks)))
+    return _left_of(every, each, plain_least_squares(every))
+
+
+def _left_of(every: Moments, each: Sequence[Array], theta: Array) -> Array:
+    """What numbers leave of logs, of which each is one block, over what is left of it alone."""
+    left = every.squared_error(theta) / np.maximum(every.count, 1.0)
+    return np.array([_counted(*row) for row in zip(every.c, every.count, left, strict=True)]) / (
+        np.maximum(each, 1e-300)
+    )
+
+
+def _with_own(
+    sums: Moments, blocks: Sequence[Integers], own: Integers, of: Sequence[int]
+) -> Moments:
+    """The sums of logs, one block each, with what some logs have beside the common numbers.
+
+    Args:
+        sums: of all logs; blocks: of each.
+        own: columns of which these have numbers of their own; of: those logs.
+    """
     p = sums.g.shape[-1]
     found = []
     for log, some in enumerate(blocks):
         data = sums.taken(some).summed()
         # the log's own difference from the common numbers stands behind these
-        spread = np.zeros((p, p + len(own) * len(blocks)))
+        spread = np.zeros((p, p + len(own) * len(of)))
         spread[:, :p] = np.eye(p)
-        spread[own, p + len(own) * log + np.arange(len(own))] = 1.0
+        if log in of:
+            spread[own, p + len(own) * list(of).index(log) + np.arange(len(own))] = 1.0
         found.append(replace(data, H=spread.T @ data.H @ spread, g=data.g @ spread))
-    every = Moments(
+    return Moments(
         *(
             np.concatenate([getattr(one, name) for one in found])
             for name in ("H", "g", "c", "count")
         )
-    )
-    theta = plain_least_squares(every)
-    left = every.squared_error(theta) / np.maximum(every.count, 1.0)
-    return np.array([_counted(*row) for row in zip(every.c, every.count, left, strict=True)]) / (
-        np.maximum(each, 1e-300)
     )
 
 

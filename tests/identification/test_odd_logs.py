@@ -45,6 +45,16 @@ def test_the_one_with_another_load_is_named(odd: int | None) -> None:
     assert not any("disagree" in note for note in notes)
 
 
+@pytest.mark.parametrize(("load", "said"), [(0.0, False), (0.3, True)])
+def test_a_light_load_on_one_of_four_is_said(load: float, said: bool) -> None:
+    """It leaves no joint twice what it leaves alone."""
+    logs = [log(seed, load if seed == 3 else 0.0) for seed in (1, 2, 3, 4)]
+    notes = [note for note in irb.identify(ROBOT, logs).notes if "of the logs" in note]
+    assert [note.partition(" beside")[0].partition(" ±")[0] for note in notes] == (
+        ["the load of the logs is not the same: motion 3 has +0.3"] if said else []
+    )
+
+
 def test_of_two_that_disagree_neither_is_blamed() -> None:
     notes = irb.identify(ROBOT, [log(1, 0.0), log(2, 30.0)]).notes
     (said,) = [note for note in notes if "disagree" in note]
@@ -81,7 +91,9 @@ def said_of(*numbers: np.ndarray, samples: int = 200, noise: float = 1.0) -> str
             g = np.einsum("nmp,nm->np", rows, tau)
             blocks.append((H, g, (tau**2).sum(axis=1), np.full(LAYOUT.n, float(samples))))
     found: Any = SimpleNamespace(
-        layout=LAYOUT, sums=Moments(*map(np.array, zip(*blocks, strict=True)))
+        layout=LAYOUT,
+        sums=Moments(*map(np.array, zip(*blocks, strict=True))),
+        samples=np.ones(LAYOUT.n),
     )
     parts: Any = [
         SimpleNamespace(
