@@ -77,13 +77,6 @@ class Reading:
         elsewhere = self.offset.any() or self.clock != 1.0 or self.delay != 0.0
         return bool((self.angles == one).all() and not elsewhere)
 
-    @property
-    def keeps_size(self) -> bool:
-        """Whether every joint moves as far and as fast as some column: by signs, orders, zeros."""
-        size = np.abs(self.angles)
-        alike = ((size == 0.0) | (size == 1.0)).all() and (size.sum(axis=1) == 1.0).all()
-        return bool(alike and self.clock == 1.0)
-
     def after(self, first: Reading) -> Reading:
         """This one applied to what another has made of the file; it keeps the kind of the other,
         and says both."""

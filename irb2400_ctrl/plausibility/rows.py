@@ -76,13 +76,15 @@ class Rows:
         """The rows another reading of the columns gives (its delay apart)."""
         B = reading.angles
         clock = reading.clock
-        # the direction of motion does not depend on the clock
-        way = self.qd @ B.T
+        # the direction of motion depends neither on a clock nor on a unit: a sharper friction alone
+        # would make a joint that creeps move faster
+        one_column = np.count_nonzero(B, axis=1) == 1
+        turn = np.where(one_column, self.turn @ np.sign(B).T, np.tanh(self.qd @ B.T / CREEP))
         return Rows(
             self.q @ B.T + reading.offset,
             self.qd @ B.T / clock,
             self.qdd @ B.T / clock**2,
-            self.turn @ B.T if reading.keeps_size else np.tanh(way / CREEP),
+            turn,
             # what is still stays still, or slow motion would be cheap to explain
             self.still[:, np.argmax(np.abs(B), axis=1)],
             self.tau @ reading.torques.T,
