@@ -16,10 +16,12 @@ from irb2400_ctrl.robot import load_robot
 
 
 class Angles:
-    """Signals of which a law asks the joint angles."""
+    """Signals of which a law asks the joint angles, a load that follows them, and a direction."""
 
     def __init__(self) -> None:
         self.q = ca.SX.sym("q", 6)
+        self.load = -40.0 * ca.cos(self.q)
+        self.sign = -ca.SX.ones(6)
 
 
 def columns(effect: Effect, which: str, angles: np.ndarray) -> np.ndarray:
@@ -68,11 +70,13 @@ def test_a_spring_has_no_gas() -> None:
 
 
 def test_a_ripple_may_have_what_comes_once_in_two_of_it() -> None:
-    """A wave generator makes two waves a turn, and its eccentricity one."""
-    ripple = GearRipple(joint=2, amplitude_Nm=1.0, order=20.0)
+    """A wave generator makes two waves a turn, and its eccentricity one; more load, more ripple."""
+    ripple = GearRipple(joint=2, amplitude_Nm=1.0, order=20.0, reference_Nm=25.0)
     angles = np.linspace(0.0, 1.0, 11)
     found = columns(ripple, "discrepancy_basis", angles)
     waves = [f(k * 20.0 * angles) for k in (2.0, 3.0, 0.5) for f in (np.sin, np.cos)]
+    waves += [(1.6 * np.cos(angles) - 1.0) * f(20.0 * angles) for f in (np.sin, np.cos)]
+    waves += [-f(20.0 * angles) for f in (np.sin, np.cos)]
     np.testing.assert_allclose(found, np.stack(waves, axis=1), atol=1e-12)
 
 
