@@ -17,6 +17,7 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
+from scipy.signal import lfilter
 
 from benchmarks.real_recordings import table
 from benchmarks.real_robots import Case, arm, modified_dh
@@ -199,9 +200,8 @@ class DrawnArm:
         if change is not None:
             q, tau = change(moved, tau, dry)
         white = rng.normal(size=q.shape)
-        colour = np.zeros_like(q)
-        for i in range(1, len(q)):
-            colour[i] = self.memory * colour[i - 1] + np.sqrt(1 - self.memory**2) * white[i]
+        white[0] = 0.0
+        colour = lfilter([np.sqrt(1 - self.memory**2)], [1.0, -self.memory], white, axis=0)
         tau = tau + self.noise * colour
         seen = q if self.digit == 0.0 else self.digit * np.round(q / self.digit)
         known = qd + 1e-3 * rng.normal(size=q.shape) if self.reads_speed else None
@@ -233,17 +233,26 @@ def drawn_case(seed: int) -> Case:
     return Case(name, robot, logs[:1], logs[1:])
 
 
-def main() -> None:
-    """Command line."""
+def seeds(about: str) -> range:
+    """Of the arms that a command line asks for.
+
+    Args:
+        about: what the command does.
+    """
     parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+        description=about, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("--arms", type=int, default=24)
     parser.add_argument("--first", type=int, default=1)
     args = parser.parse_args()
+    return range(args.first, args.first + args.arms)
+
+
+def main() -> None:
+    """Command line."""
     ratios = []
     refused = 0
-    for seed in range(args.first, args.first + args.arms):
+    for seed in seeds(__doc__ or ""):
         case = drawn_case(seed)
         try:
             rows, _ = table(case)

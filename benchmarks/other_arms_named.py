@@ -11,7 +11,6 @@ file keeps (`OWN`); on the third log, any other.
 
 from __future__ import annotations
 
-import argparse
 from dataclasses import dataclass
 
 import numpy as np
@@ -26,6 +25,7 @@ from benchmarks.other_arms import (
     misread,
     motion,
     moved,
+    seeds,
 )
 from irb2400_ctrl.diagnosis import Diagnosis, diagnose
 from irb2400_ctrl.errors import InputError
@@ -180,16 +180,10 @@ def names(found: Diagnosis) -> set[tuple[str, int | None]]:
 
 def main() -> None:
     """Command line."""
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    parser.add_argument("--arms", type=int, default=24)
-    parser.add_argument("--first", type=int, default=1)
-    args = parser.parse_args()
     right = 0
     false = [0, 0]
     arms = 0
-    for seed in range(args.first, args.first + args.arms):
+    for seed in seeds(__doc__ or ""):
         one = drawn_arm(seed)
         try:
             robot = identify(one.robot, one.logs).robot

@@ -43,6 +43,8 @@ OF_THEIR_OWN = (
 """terms of the drives that may differ between logs of one arm; what is said where they do"""
 CLEAR = 5.0
 """standard errors of the mass that one log has more at the last link than the others"""
+WORSE = 1.1
+"""what frictions or offsets of the logs' own leave at least over what a load of one log leaves"""
 FEWEST = 100
 """samples of a joint that counts"""
 LITTLE = 1e-3
@@ -92,7 +94,7 @@ def _loaded(
     each: Sequence[Array],
 ) -> list[str]:
     """What is said of a log with another load than the rest; nothing where that is not clear, or
-    where frictions or offsets of all logs' own leave no more.
+    where frictions or offsets of all logs' own leave hardly more.
 
     Args:
         found: the fit to all logs; parts: the logs.
@@ -118,7 +120,7 @@ def _loaded(
     others = (_own_columns(bare, terms) for terms, _, _ in OF_THEIR_OWN)
     if clear < CLEAR or left > AGREEING:
         return []
-    if any(_ratios_with_own(sums, blocks, each, own).max() <= left for own in others):
+    if any(_ratios_with_own(sums, blocks, each, own).max() <= WORSE * left for own in others):
         return []
     return [
         f"the load of the logs is not the same: {parts[odd].motion.name} has {mass:+.2g} ± "

@@ -157,3 +157,8 @@ def test_one_unknown_speed_leaves_those_of_the_others_in_the_table() -> None:
     (qd,) = [f for f in controller("pid", arm).inputs if f.name == "qd"]
     expected = FASTEST * np.where(np.arange(6) == 2, UNKNOWN_SPEED, ROBOT.qd_max)
     np.testing.assert_allclose(qd.upper, expected)
+
+
+def test_a_limit_that_is_not_known_is_written_as_one_that_nobody_reaches() -> None:
+    """In Nm, as the header's words and `known` in the table's comment have it."""
+    assert UNBOUNDED == 1e6

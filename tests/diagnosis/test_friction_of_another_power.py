@@ -7,8 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from third_plant.case import Case
-from third_plant.suites import plan
+from third_plant_logs import case_of, diagnosed
 
 import irb2400_ctrl as irb
 from irb2400_ctrl.diagnosis.comparison.log_columns import LogColumns
@@ -21,12 +20,9 @@ from irb2400_ctrl.measurement.prepared_log import prepare
 def test_its_coefficient_is_that_of_the_usual_load() -> None:
     """It was the one at 50 Nm, on an axis that carries 340 Nm a third of what is there; what it is
     off its law seemed larger than the law, and the arm was unexplained."""
-    (arm,) = [one for one in plan(20263481) if one.name == "single/28"]
-    case = Case(arm)
+    case = case_of(20263481, "single/28")
     (drawn,) = case.made.effects
-    seen = case.identification()
-    log = irb.Log(seen.time, seen.q, seen.tau, qd=seen.qd, q_ref=seen.q_ref)
-    diagnosis = irb.diagnose(irb.load_robot("irb2400"), log)
+    diagnosis = diagnosed(case)
     (effect,) = diagnosis.robot.effects
     assert (effect.kind, effect.joint, diagnosis.verdict) == ("load_friction", 2, "explained")
     # s r (soft(load) / r)^p, soft(x) = sqrt(x^2 + t^2) - t

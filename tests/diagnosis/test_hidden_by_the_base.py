@@ -10,8 +10,7 @@ import numpy as np
 import pytest
 from diagnosis.test_names import ROBOT, names
 from mujoco_plant.suites import suite
-from third_plant.case import Case
-from third_plant.suites import plan
+from third_plant_logs import case_of, diagnosed
 
 from irb2400_ctrl.diagnosis import Diagnosis, diagnose
 from irb2400_ctrl.diagnosis.bent_numbers import beside_noise
@@ -27,18 +26,10 @@ from irb2400_ctrl.effects import LIBRARY
 from irb2400_ctrl.measurement import Log
 
 
-def told(seen: Any) -> Diagnosis:
-    return diagnose(ROBOT, Log(seen.time, seen.q, seen.tau, qd=seen.qd, q_ref=seen.q_ref))
-
-
-def of_third_plant(seed: int, where: str, number: int) -> Diagnosis:
-    (arm,) = (one for one in plan(seed) if (one.suite, one.number) == (where, number))
-    return told(Case(arm).identification())
-
-
 def of_second_plant(seed: int, where: str, number: int) -> Diagnosis:
     (case,) = suite(where, number, 1, seed)
-    return told(case.simulate())
+    seen = case.simulate()
+    return diagnose(ROBOT, Log(seen.time, seen.q, seen.tau, qd=seen.qd, q_ref=seen.q_ref))
 
 
 @pytest.mark.parametrize(("size", "relieved"), [(1.0, True), (0.2, False), (0.0, False)])
@@ -124,7 +115,7 @@ def test_a_liquid_that_shakes_all_joints_changes_no_number_of_the_robot(
     lacking = Number("lacks", "joint 1", "coulomb_Nm", None, 3.0, 0.1, 9.0)
     module = importlib.import_module("irb2400_ctrl.diagnosis.diagnose")
     monkeypatch.setattr(module, "moved_as_by_a_load", lambda *given: (moved, lacking))
-    found = of_third_plant(20261802, "outside", 10)
+    found = diagnosed(case_of(20261802, "outside/10"))
     assert (found.verdict, names(found), found.numbers) == ("unexplained", [], (lacking,))
     assert len(found.unexplained) > 3
     left = found.identification.error_after.rmse
@@ -140,13 +131,13 @@ def test_a_liquid_that_shakes_all_joints_changes_no_number_of_the_robot(
     ("found", "said"),
     [
         # grease of axis 1 that a springy axis 5 might have left by its evidence alone
-        (lambda: of_third_plant(20261821, "pairs", 5), ("viscous_power", 1)),
+        (lambda: diagnosed(case_of(20261821, "pairs/5")), ("viscous_power", 1)),
         (lambda: of_second_plant(20261710, "pairs", 13), ("viscous_change", 1)),
         # bodies four times further off said more than the best one of two effects
         (lambda: of_second_plant(20261720, "three", 0), ("link_inertia", 2)),
         (lambda: of_second_plant(20261710, "three", 4), ("link_inertia", 4)),
         # sliders of which most turn over at once
-        (lambda: of_third_plant(20261831, "single", 41), ("hysteresis", 2)),
+        (lambda: diagnosed(case_of(20261831, "single/41")), ("hysteresis", 2)),
     ],
 )
 def test_it_has_its_name(found: Any, said: tuple[str, int]) -> None:

@@ -9,10 +9,8 @@ import numpy as np
 import pytest
 from diagnosis.test_names import ROBOT, names
 from diagnosis.test_parts import BASES, motion
-from third_plant.case import Case
-from third_plant.suites import plan
+from third_plant_logs import case_of, diagnosed
 
-from irb2400_ctrl.diagnosis import diagnose
 from irb2400_ctrl.diagnosis.comparison.comparison import Alternative
 from irb2400_ctrl.diagnosis.comparison.criteria import Criteria
 from irb2400_ctrl.diagnosis.comparison.ground import Ground
@@ -22,7 +20,6 @@ from irb2400_ctrl.diagnosis.regressors.bases import RegressorColumns
 from irb2400_ctrl.diagnosis.regressors.predict import effect_torque, predicted_torque
 from irb2400_ctrl.effects import LIBRARY
 from irb2400_ctrl.effects.time_delay import TimeDelay
-from irb2400_ctrl.measurement import Log
 
 BARE: Any = (
     RegressorColumns((3,), np.ones((4, 1, 1))),
@@ -68,10 +65,8 @@ def test_the_rates_of_all_joints_are_that_of_the_torque() -> None:
 )
 def test_an_angle_that_is_late_is_named(suite: str, number: int, delay: float, joint: int) -> None:
     """It moves the torques of all joints; the delay of its own torque did not explain that."""
-    (arm,) = (one for one in plan(20261701) if (one.suite, one.number) == (suite, number))
-    case = Case(arm)
-    seen = case.identification()
-    found = diagnose(ROBOT, Log(seen.time, seen.q, seen.tau, qd=seen.qd, q_ref=seen.q_ref))
+    case = case_of(20261701, f"{suite}/{number}")
+    found = diagnosed(case)
     assert set(names(found)) == {(t.kind, t.joint) for t in case.truth}
     effect: Any = next(f.effect for f in found.findings if f.effect.kind == "time_delay")
     assert (effect.joint, effect.of_angle) == (joint, True)

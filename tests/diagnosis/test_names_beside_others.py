@@ -9,8 +9,7 @@ import numpy as np
 import pytest
 from diagnosis.test_names import ROBOT, names, sound
 from mujoco_plant.suites import suite
-from third_plant.case import Case
-from third_plant.suites import plan
+from third_plant_logs import case_of, diagnosed
 
 from irb2400_ctrl.diagnosis import diagnose
 from irb2400_ctrl.measurement import Log
@@ -100,11 +99,9 @@ def test_a_motor_in_saturation_has_no_other_gain(number: int, joint: int) -> Non
     """Its current grows more than its torque: a factor of 0.976 at 0.98, "explained", was 72 nats
     behind a free function of the load; one of axis 6 had a load at the tool beside it."""
     seed = {15: 20261721, 1: 20261811}[number]
-    (arm,) = (one for one in plan(seed) if (one.suite, one.number) == ("outside", number))
-    case = Case(arm)
+    case = case_of(seed, f"outside/{number}")
     assert [(t.kind, t.joint) for t in case.truth] == [("motor_saturation", joint)]
-    seen = case.identification()
-    found = diagnose(ROBOT, Log(seen.time, seen.q, seen.tau, qd=seen.qd, q_ref=seen.q_ref))
+    found = diagnosed(case)
     assert names(found) == []
     assert [(u.joint, u.depends_on) for u in found.unexplained] == [(joint, ("load", "qd"))]
 
@@ -112,13 +109,10 @@ def test_a_motor_in_saturation_has_no_other_gain(number: int, joint: int) -> Non
 def test_a_gear_that_loses_more_braked_than_driven_leaves_no_gain() -> None:
     """What it loses more is |load| sgn(qd) sgn(load qd), the load itself: beside its friction there
     was a gain of 0.985 at 0.96."""
-    (arm,) = (one for one in plan(20261601) if (one.suite, one.number) == ("pairs", 3))
-    case = Case(arm)
-    seen = case.identification()
-    log = Log(seen.time, seen.q, seen.tau, qd=seen.qd, q_ref=seen.q_ref)
+    case = case_of(20261601, "pairs/3")
     there = {(t.kind, t.joint) for t in case.truth}
     assert there == {("load_friction", 3), ("torque_offset", 5)}
-    found = diagnose(ROBOT, log)
+    found = diagnosed(case)
     assert set(names(found)) == there
     # and the file says nothing of it: of another load it is another torque
     (effect,) = (e for e in found.robot.effects if e.kind == "load_friction")

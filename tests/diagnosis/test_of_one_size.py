@@ -10,8 +10,7 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 from diagnosis.test_names import ROBOT, names, sound
-from third_plant.case import Case
-from third_plant.suites import plan
+from third_plant_logs import case_of, diagnosed
 
 from irb2400_ctrl.diagnosis import diagnose
 from irb2400_ctrl.diagnosis.comparison.acceptance import Acceptance
@@ -43,11 +42,9 @@ def test_torques_that_are_late_each_in_its_own_way_are_no_delay_of_all_joints() 
 @pytest.mark.parametrize(("seed", "number"), [(20261721, 14), (20261601, 4)])
 def test_a_liquid_at_the_tool_is_no_delay_of_all_joints(seed: int, number: int) -> None:
     """It was one of 1 ms at 0.91 and 0.96: 1.2 ± 0.2 ms on axis 1, 0.2 ± 0.2 on axis 2."""
-    (arm,) = (one for one in plan(seed) if (one.suite, one.number) == ("outside", number))
-    case = Case(arm)
+    case = case_of(seed, f"outside/{number}")
     assert [t.kind for t in case.truth] == ["sloshing_tool"]
-    seen = case.identification()
-    found = diagnose(ROBOT, Log(seen.time, seen.q, seen.tau, qd=seen.qd, q_ref=seen.q_ref))
+    found = diagnosed(case)
     assert names(found) == []
     assert found.verdict == "unexplained"
 

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from third_plant.case import Case
-from third_plant.suites import plan
+from third_plant_logs import case_of, diagnosed
 
 import irb2400_ctrl as irb
 
@@ -13,10 +12,7 @@ import irb2400_ctrl as irb
 def diagnosis() -> irb.Diagnosis:
     """Of an arm of which axis 1 is 29 % stiffer at its rms torque than at none: it was play of the
     gear, with a gain of the torque beside it."""
-    (arm,) = [one for one in plan(20263401) if one.name == "single/23"]
-    seen = Case(arm).identification()
-    log = irb.Log(seen.time, seen.q, seen.tau, qd=seen.qd, q_ref=seen.q_ref)
-    return irb.diagnose(irb.load_robot("irb2400"), log)
+    return diagnosed(case_of(20263401, "single/23"))
 
 
 def test_it_is_named_with_its_stiffening(diagnosis: irb.Diagnosis) -> None:

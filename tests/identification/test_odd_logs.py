@@ -72,20 +72,26 @@ def test_a_cold_arm_is_no_other_arm() -> None:
 
 
 LAYOUT = ColumnLayout(2)
+LAST = 10
+OFFSET = LAYOUT.drive("offset").start + 1
 BLOCKS = 6
 
 
-def said_of(*numbers: np.ndarray, samples: int = 200, noise: float = 1.0) -> str:
+def said_of(
+    *numbers: np.ndarray, samples: int = 200, noise: float = 1.0, like_offset: float = 0.0
+) -> str:
     """What is said of logs of random motions, each with numbers (p,) of its own.
 
     Args:
         numbers: of each log; samples: of each of its `BLOCKS` blocks; noise: of the torques [Nm].
+        like_offset: how much of a mass at the last link shows as an offset of its joint.
     """
     rng = np.random.default_rng(0)
     blocks = []
     for theta in numbers:
         for _ in range(BLOCKS):
             rows = rng.standard_normal((LAYOUT.n, samples, LAYOUT.count))
+            rows[:, :, LAST] += like_offset * (rows[:, :, OFFSET] - rows[:, :, LAST])
             tau = rows @ theta + noise * rng.standard_normal((LAYOUT.n, samples))
             H = np.swapaxes(rows, 1, 2) @ rows
             g = np.einsum("nmp,nm->np", rows, tau)
@@ -153,3 +159,11 @@ def test_a_few_samples_accuse_nobody() -> None:
 def test_what_a_simulation_leaves_is_no_disagreement() -> None:
     assert said_of(with_change(0, 0.1), ARM, ARM, noise=1e-6)
     assert not said_of(with_change(0, 1e-4), ARM, ARM, noise=1e-6)
+
+
+@pytest.mark.parametrize(("like_offset", "said"), [(0.0, True), (0.97, False)])
+def test_a_load_is_named_where_a_zero_explains_the_logs_less(
+    like_offset: float, said: bool
+) -> None:
+    found = said_of(with_change(LAST, 1.2), ARM, ARM, ARM, like_offset=like_offset)
+    assert ("the load of the logs is not the same: log 1 has" in found) == said

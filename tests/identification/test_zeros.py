@@ -9,6 +9,7 @@ import pytest
 from other_arm_logs import other_arm_log
 
 import irb2400_ctrl as irb
+from irb2400_ctrl.identification.fitting import zeros
 from irb2400_ctrl.identification.fitting.fit import fit
 from irb2400_ctrl.identification.fitting.given import given_torque
 from irb2400_ctrl.identification.fitting.motion_source import motion_of
@@ -65,3 +66,9 @@ def test_a_log_too_short_for_stretches_tells_none() -> None:
     inside = log.time < log.time[0] + 4.0
     short = Log(log.time[inside], log.q[inside], log.tau[inside], name="short")
     assert told(drawn.robot, off(short, 3, -15.0)) == []
+
+
+def test_a_zero_that_predicts_no_better_is_not_said(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(zeros, "LESS", 0.01)
+    drawn = other_arm_log(71160)
+    assert told(drawn.robot, off(drawn.log, 4, 12.0)) == []

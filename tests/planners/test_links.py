@@ -11,6 +11,8 @@ from irb2400_ctrl import errors, load_robot
 from irb2400_ctrl.cell import Scene, load_cell
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.planners import LinkOptions, builders, plan_path, plan_program, read_program
+from irb2400_ctrl.planners.joint_path import JointPath
+from irb2400_ctrl.planners.linking import raised_path as raised_path_module
 from irb2400_ctrl.planners.linking.clearance_plane import ClearancePlane
 from irb2400_ctrl.planners.linking.joint_plan import plan_joints
 from irb2400_ctrl.planners.linking.link_operations import start_of
@@ -117,8 +119,11 @@ def test_an_arm_that_touches_something_where_it_stands_is_told_so(tmp_path: Path
     assert np.abs(way.coefficients[2]).max() > 0
 
 
-def test_a_way_around_what_no_bent_move_passes(tmp_path: Path) -> None:
-    """A wall between two places, and a roof over it: no lift is low enough and high enough."""
+def test_a_way_around_what_no_bent_move_passes(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A wall between two places, and a roof over it: no lift is low enough and high enough. A way
+    that goes through, which the search for one may not see, is not taken."""
     shapes = [
         '{ kind = "box", centre_mm = [1150, 0, 450], size_mm = [900, 40, 900] }',
         '{ kind = "box", centre_mm = [1350, 0, 1300], size_mm = [900, 1600, 80] }',
@@ -137,6 +142,15 @@ def test_a_way_around_what_no_bent_move_passes(tmp_path: Path) -> None:
         X[:3, 3] = [1.0, side, 0.5]
         ends.append(MODEL.inverse_kinematics(X, np.zeros(6))[0])
     path = raised_path(MODEL, *ends, plane(0.5), scene)
+    real = raised_path_module.ways_around
+    through = JointPath(
+        np.array([0.0, 1.0]), np.stack([ends[0], ends[1] - ends[0], *2 * [0 * ends[0]]])[:, None]
+    )
+    monkeypatch.setattr(
+        raised_path_module, "ways_around", lambda *given: iter([through, *real(*given)])
+    )
+    again = raised_path(MODEL, *ends, plane(0.5), scene)
+    assert np.array_equal(again.coefficients, path.coefficients)
     q = path(np.linspace(path.knots[0], path.knots[-1], 2000))
     assert np.allclose(q[[0, -1]], ends)
     assert (q >= ROBOT.q_min).all()

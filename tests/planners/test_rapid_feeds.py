@@ -76,6 +76,24 @@ def test_the_last_part_of_a_lead_in_is_at_the_feed(tmp_path: Path, robot: irb.Ro
     assert speed_at(robot, module, np.add(start, [0, 0, 0.03])) > 100
 
 
+def test_a_module_of_a_whole_program_stops_at_the_bottom_of_its_holes(
+    tmp_path: Path, robot: irb.Robot
+) -> None:
+    file = tmp_path / "holes.nc"
+    holes = "".join(f"G0 X{x}. Y0. Z5.\nG1 Z-12. F300.\nG0 Z5.\n" for x in (0, 20))
+    file.write_text(f"G21 G90\nS900 M3\n{holes}M30\n")
+    program = read_program(file)
+    motion = plan_program(robot, program, work_frame=work_frame(FRAME)).motion
+    assert motion is not None
+    module = read_rapid(rapid_of_motion(motion).text)
+    model = irb.Model(robot)
+    tip = model.tcp_pose(module.joint_angles(model))[:, :3, 3]
+    for x in (0.0, 0.02):
+        near = np.linalg.norm(tip - [0.95 + x, 0, 0.488], axis=1)
+        assert near.min() < 1e-5
+        assert module.moves[int(near.argmin())].stops
+
+
 def test_feeds_that_cannot_be_are_refused(robot: irb.Robot) -> None:
     time = np.linspace(0, 1, 11)
     q = np.tile(np.radians([0, 0, 0, 0, 30, 0]), (11, 1))

@@ -56,9 +56,9 @@ class ClearancePlane:
         up = mean / length if length > _AGREE else vertical
         return cls(up, float((places @ up).max()) + clearance, clearance)
 
-    def above(self, place: Array) -> float:
-        """Height of a place (3,) over the plane [m]; negative below it."""
-        return float(place @ self.up) - self.height
+    def above(self, place: Array) -> Array:
+        """Height of places (..., 3) over the plane, shape (...) [m]; negative below it."""
+        return np.asarray(place @ self.up - self.height)
 
     def way_outs(self, path: ToolPath, spindle: Array, approach: float) -> WayOut:
         """From both ends of a path in the base."""
@@ -71,14 +71,14 @@ class ClearancePlane:
         straight up from there where the tool is inclined. Only the way-point itself where it is
         above the plane already.
         """
-        missing = -self.above(place)
+        missing = -float(self.above(place))
         if missing <= 1e-6:
             return place[None]
         steep = float(axis @ self.up)
         if steep >= _STEEP:
             return np.array([place, place + max(missing / steep, approach) * axis])
         out = place + max(self.clearance, approach) * axis
-        lift = -self.above(out)
+        lift = -float(self.above(out))
         places = [place, out] if lift <= 1e-6 else [place, out, out + lift * self.up]
         return np.array(places)
 

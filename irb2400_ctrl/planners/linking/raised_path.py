@@ -120,7 +120,7 @@ class _Room:
 
     def free(self, q: Array) -> bool:
         """Whether all of q (m, n) are above the plane and have the room."""
-        heights = self.model.tcp_pose(q)[:, :3, 3] @ self.plane.up - self.plane.height
+        heights = self.plane.above(self.model.tcp_pose(q)[:, :3, 3])
         return bool(heights.min() >= self.floor) and self.left(q) > self.room
 
 
@@ -161,8 +161,8 @@ def lowest(tcp: TcpPath, plane: ClearancePlane) -> float:
 
 def _floor(model: Model, q_from: Array, q_to: Array, plane: ClearancePlane) -> float:
     """Height over the plane that the path may not fall below: zero, or that of its lower end."""
-    ends = [plane.above(model.tcp_pose(q)[:3, 3]) for q in (q_from, q_to)]
-    return min(0.0, *ends) - _SAG
+    ends = plane.above(model.tcp_pose(np.array([q_from, q_to]))[:, :3, 3])
+    return min(0.0, float(ends.min())) - _SAG
 
 
 def _parabola(q_from: Array, q_to: Array, bend: Array) -> JointPath:
@@ -178,8 +178,7 @@ def _places() -> Array:
 
 
 def _heights(model: Model, path: JointPath, plane: ClearancePlane) -> Array:
-    places = model.tcp_pose(path(path.length * _places()))[:, :3, 3]
-    return np.asarray(places @ plane.up - plane.height)
+    return plane.above(model.tcp_pose(path(path.length * _places()))[:, :3, 3])
 
 
 def _lowest_sample(model: Model, path: JointPath, plane: ClearancePlane) -> float:
