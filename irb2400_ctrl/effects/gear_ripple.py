@@ -33,8 +33,8 @@ class GearRipple(Effect):
     )
     example: ClassVar[Mapping[str, Any]] = {"amplitude_Nm": 1.0, "order": 20.0, "phase_rad": 0.5}
     ambiguity: ClassVar[Ambiguity] = RIPPLE
-    prior: ClassVar[Prior] = Prior(fixed=("reference_Nm",), lasting=2 * len(MULTIPLES))
-    search: ClassVar[Search] = Search(between_grid=True, repeats=True, at_usual_load="reference_Nm")
+    prior: ClassVar[Prior] = Prior(lasting=2 * len(MULTIPLES))
+    search: ClassVar[Search] = Search(between_grid=True, repeats=True)
     SLOW: ClassVar[tuple[float, ...]] = (2.0, 3.0)
     """orders of what turns with the joint itself (gauges of a torque sensor, a bent ring), for
     which no name is given: over the usual travel they look like a spring"""
@@ -43,11 +43,6 @@ class GearRipple(Effect):
     amplitude_Nm: float = Field(ge=0, description="amplitude A [Nm]")
     order: float = Field(gt=0, description="periods per joint turn [-]")
     phase_rad: float = Field(default=0.0, description="phase at q = 0 [rad]")
-    reference_Nm: float = Field(
-        default=50.0,
-        gt=0,
-        description="load at which A holds where the ripple grows with the load [Nm]",
-    )
 
     @field_validator("discrepancy")
     @classmethod
@@ -64,9 +59,10 @@ class GearRipple(Effect):
     def discrepancy_basis(self, s: Signals) -> ca.SX:
         angle = self.order * s.q[self.index]
         n = s.q.numel()
-        # how it grows with the load, and is another backwards, no file keeps
+        # how it grows with the load, and is another backwards, no file keeps: a diagnosis takes of
+        # these what the law cannot give, so the amplitude is that under the usual load
         waves = [f(k * angle) for k in MULTIPLES for f in (ca.sin, ca.cos)]
-        grown = [ca.fabs(s.load[self.index]) / self.reference_Nm - 1.0, s.sign[self.index]]
+        grown = [ca.fabs(s.load[self.index]), s.sign[self.index]]
         waves += [by * f(angle) for by in grown for f in (ca.sin, ca.cos)]
         return ca.horzcat(*[self.on(wave, n) for wave in waves])
 
@@ -92,8 +88,7 @@ class GearRipple(Effect):
     @classmethod
     def grid(cls, joint: int | None) -> list[dict[str, float]]:
         # above 160 the 250 Hz record no longer resolves it
-        orders = [LEAST_ORDER + STEP * k for k in range(2 * 156 + 1)]
-        return [{"order": order, "reference_Nm": 50.0} for order in orders]
+        return [{"order": LEAST_ORDER + STEP * k} for k in range(2 * 156 + 1)]
 
     @property
     def unlikely(self) -> bool:

@@ -12,8 +12,8 @@ class Search:
     Args:
         device: part of a joint of which a log tells one flaw only: beside one effect on it no other
             is looked for.
-        between_grid: its grid (even, of one number that is not fixed) is too coarse to compare with
-            others: the best point is then moved between neighbours.
+        between_grid: its grid (even, of one number) is too coarse to compare with others: the best
+            point is then moved between neighbours.
         repeats: one joint may have several (a gear has more than one tooth frequency).
         on_every_joint: a maker leaves it out of all joints alike, so all at once is tried too.
         comes_and_goes: tried as acting on and off too, not only from some moment on.

@@ -40,10 +40,8 @@ def usual(effect: Effect) -> bool:
             point[name] for point in effect.grid(effect.joint)
         ):
             return False
-    moving = [name for name in effect.nonlinear if name not in effect.prior.fixed]
-    if effect.search.between_grid and len(moving) == 1:
-        for name in moving:
-            value = effect.nonlinear[name]
+    if effect.search.between_grid and len(effect.nonlinear) == 1:
+        for name, value in effect.nonlinear.items():
             tried = [point[name] for point in effect.grid(effect.joint)]
             half = 0.5 * abs(tried[1] - tried[0])
             if not min(tried) - half <= value <= max(tried) + half:
