@@ -8,7 +8,7 @@ from typing import Any, ClassVar, Literal, Self
 
 import casadi as ca
 import numpy as np
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from irb2400_ctrl.effects.ambiguity import REVERSAL, Ambiguity
 from irb2400_ctrl.effects.base import Effect
@@ -17,13 +17,17 @@ from irb2400_ctrl.effects.prior import Prior
 from irb2400_ctrl.effects.search import Search
 from irb2400_ctrl.effects.signals import Signals
 
+SHAPE = 0.03
+"""`Prior.departure`: another way of building up is seen behind turns alone"""
+
 
 class Hysteresis(Effect):
     """tau_j = A z - R sgn qd_j,  dz/dt = (qd_j - |qd_j| z) / width  (Dahl model; z -> sgn(qd_j)
     after a few widths).
 
     R = 0 is a loop on top of the joint's dry friction; R = A the joint's own dry friction that
-    builds up over an angle instead of jumping.
+    builds up over an angle instead of jumping. What it may be off that is another way of building
+    up, to the same height: z |z| - z and z^3 - z.
     """
 
     sentence: ClassVar[str] = (
@@ -31,7 +35,7 @@ class Hysteresis(Effect):
     )
     example: ClassVar[Mapping[str, Any]] = {"amplitude_Nm": 1.0, "width_rad": 0.02}
     ambiguity: ClassVar[Ambiguity] = REVERSAL
-    prior: ClassVar[Prior] = Prior(in_place_of_friction=("replaced_Nm",))
+    prior: ClassVar[Prior] = Prior(in_place_of_friction=("replaced_Nm",), departure=SHAPE)
     search: ClassVar[Search] = Search(turns_over_in="width_rad")
     drawing: ClassVar[Drawing] = Drawing("qd")
     states: ClassVar[tuple[str, ...]] = ("z",)
@@ -42,6 +46,21 @@ class Hysteresis(Effect):
     replaced_Nm: float = Field(
         default=0.0, description="dry friction R of the joint that the loop takes the place of [Nm]"
     )
+
+    @model_validator(mode="before")
+    @classmethod
+    def _of_its_height(cls, given: Any) -> Any:
+        """Files of earlier versions have z |z|, a part of the loop's height."""
+        if not isinstance(given, Mapping):
+            return given
+        name = "shape" if "shape" in given else "discrepancy"
+        off = given.get(name, ())
+        height = given.get("amplitude_Nm")
+        if not (isinstance(off, (list, tuple)) and len(off) == 1):
+            return given
+        if not (isinstance(off[0], (int, float)) and isinstance(height, (int, float))):
+            return given
+        return {**given, "amplitude_Nm": height + off[0], name: (off[0], 0.0)}
 
     def basis(self, s: Signals) -> ca.SX:
         n = s.q.numel()
@@ -64,7 +83,9 @@ class Hysteresis(Effect):
         return 1 - 2 * ca.exp(-turned / self.width_rad), ca.SX(1.0)
 
     def discrepancy_basis(self, s: Signals) -> ca.SX:
-        return self.on(s.state[0] ** 2 * ca.sign(s.state[0]), s.q.numel())
+        z = s.state[0]
+        n = s.q.numel()
+        return ca.horzcat(self.on(z * ca.fabs(z) - z, n), self.on(z**3 - z, n))
 
     def sizes(self) -> tuple[float, ...]:
         return (self.amplitude_Nm,)

@@ -11,6 +11,8 @@ Normal = tuple[float, float]
 """usual value and spread (one standard deviation)"""
 
 
+DEPARTURE = 0.10
+"""usual `Prior.departure`"""
 EXACT = 0.02
 """`Prior.discrepancy_share` of a law that the real thing follows"""
 
@@ -41,6 +43,8 @@ class Prior:
         loose: fields of an effect with memory that are known far less sharply than the others.
         largest: of fields that a search may lead beyond what the thing can have: then it has found
             something else.
+        departure: of the real thing from its law, by each column of its discrepancy: rms over rms
+            of its torque, one standard deviation.
         discrepancy_share: share of its torque that its law, being simpler than the real thing, may
             leave for others to explain.
         leftover: names of the flexible laws of its joint (`comparison.non_parametric`) that take in
@@ -60,6 +64,7 @@ class Prior:
     time_constants: tuple[str, ...] = ()
     loose: tuple[str, ...] = ()
     largest: Mapping[str, float] = field(default_factory=dict)
+    departure: float = DEPARTURE
     discrepancy_share: float = 0.22
     leftover: tuple[str, ...] = ()
     in_place_of_friction: tuple[str, ...] = ()

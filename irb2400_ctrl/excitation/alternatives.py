@@ -20,7 +20,6 @@ import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 
 from irb2400_ctrl.arrays import Array, rms
-from irb2400_ctrl.diagnosis.estimation.evidence import DISCREPANCY
 from irb2400_ctrl.diagnosis.preparation.base_prior import BasePrior
 from irb2400_ctrl.diagnosis.preparation.contacts import Contacts
 from irb2400_ctrl.diagnosis.regressors.bases import Bases
@@ -176,7 +175,7 @@ class Alternatives:
                 share = rms(other.values[:, :, :d]) / self._rms[list(law.joints), None]
                 # a departure of one standard deviation is a part of what an effect of the common
                 # size makes
-                units.append(DISCREPANCY * SIZE / np.maximum(share.max(axis=0), 1e-9))
+                units.append(effect.prior.departure * SIZE / np.maximum(share.max(axis=0), 1e-9))
                 law_precision = 1.0 / np.array(expected)[:, 1] ** 2 if expected else np.zeros(k)
                 found.append(
                     LookalikeColumns(

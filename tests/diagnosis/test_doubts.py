@@ -30,3 +30,19 @@ def test_a_name_is_as_sure_as_what_speaks_against_it(
     name = replace(finding(kind, 1, 0.5), confidence=0.9)
     (one,) = suspected((name,), unsettled, moments)
     assert one.confidence == most
+
+
+@pytest.mark.parametrize(
+    ("beside", "joint", "most"),
+    [
+        ("cable_spring", 6, 0.75),
+        ("wrist_coupling", 6, 0.75),
+        ("cable_spring", 5, 0.9),
+        ("viscous_change", 6, 0.9),
+    ],
+)
+def test_a_loop_beside_what_creeps_may_be_its_creep(beside: str, joint: int, most: float) -> None:
+    loop = replace(finding("hysteresis", 6, 0.5), confidence=0.9)
+    other = replace(finding(beside, joint, 0.5), confidence=0.9)
+    told = suspected((other, loop), False, None)
+    assert [one.confidence for one in told] == [0.9, most]

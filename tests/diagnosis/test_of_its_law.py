@@ -36,8 +36,8 @@ def acceptance() -> Acceptance:
         (LIBRARY["cable_spring"].of(1, **CABLE, discrepancy=(0.1, -0.05)), True),
         (LIBRARY["cable_spring"].of(1, **CABLE, discrepancy=(2.5, 0.9)), False),
         # a loop of 7.5 Nm takes the place of 6 Nm of dry friction: it is no law of 1.5 Nm
-        (LIBRARY["hysteresis"].of(1, **LOOP, discrepancy=(4.9,)), True),
-        (LIBRARY["hysteresis"].of(1, **LOOP, discrepancy=(9.0,)), False),
+        (LIBRARY["hysteresis"].of(1, **LOOP, discrepancy=(20.0, 4.0)), True),
+        (LIBRARY["hysteresis"].of(1, **LOOP, discrepancy=(300.0, 0.0)), False),
         # an asymmetry is nearly constant: its rms counts, not how it varies
         (LIBRARY["coulomb_asymmetry"].of(1, delta_Nm=2.0, discrepancy=(0.5, 0.8)), True),
         (LIBRARY["coulomb_asymmetry"].of(1, delta_Nm=2.0, discrepancy=(0.5, 3.0)), False),

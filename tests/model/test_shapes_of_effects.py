@@ -11,6 +11,7 @@ import pytest
 from irb2400_ctrl.effects import LIBRARY, Effect
 from irb2400_ctrl.effects.balancer import POLYTROPIC, Balancer
 from irb2400_ctrl.effects.gear_ripple import GearRipple
+from irb2400_ctrl.effects.hysteresis import Hysteresis
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.robot import load_robot
 
@@ -71,11 +72,11 @@ def test_a_spring_has_no_gas() -> None:
 
 def test_a_ripple_may_have_what_comes_once_in_two_of_it() -> None:
     """A wave generator makes two waves a turn, and its eccentricity one; more load, more ripple."""
-    ripple = GearRipple(joint=2, amplitude_Nm=1.0, order=20.0, reference_Nm=25.0)
+    ripple = GearRipple(joint=2, amplitude_Nm=1.0, order=20.0)
     angles = np.linspace(0.0, 1.0, 11)
     found = columns(ripple, "discrepancy_basis", angles)
     waves = [f(k * 20.0 * angles) for k in (2.0, 3.0, 0.5) for f in (np.sin, np.cos)]
-    waves += [(1.6 * np.cos(angles) - 1.0) * f(20.0 * angles) for f in (np.sin, np.cos)]
+    waves += [40.0 * np.cos(angles) * f(20.0 * angles) for f in (np.sin, np.cos)]
     waves += [-f(20.0 * angles) for f in (np.sin, np.cos)]
     np.testing.assert_allclose(found, np.stack(waves, axis=1), atol=1e-12)
 
@@ -104,3 +105,27 @@ def test_some_exponent_of_the_grid_is_near_any_that_friction_has(exponent: float
 
     grid = [point["exponent"] for point in LIBRARY["viscous_power"].grid(2)]
     assert min(left(v**p) for p in grid) < left() / 15.0
+
+
+class Turned(Angles):
+    """Signals in the middle of a turn: the state of a hysteresis, from 1 to -1."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.state = ca.SX.sym("z", 1)
+
+
+@pytest.mark.parametrize("field", ["discrepancy", "shape"])
+def test_a_hysteresis_of_an_earlier_file_is_as_high_as_it_was(field: str) -> None:
+    """There z |z| was a part of the height, and "amplitude_Nm" another: 9.2 Nm of 13.6."""
+    file = {"joint": 2, "amplitude_Nm": 9.2, "width_rad": 0.02, "replaced_Nm": 5.2, field: [9.7]}
+    loop = Hysteresis.model_validate(file)
+    s: Any = Turned()
+    tau = ca.Function("tau", [s.state], [loop.torque(s)[1]])
+    z = np.linspace(-1.0, 1.0, 21)
+    found = np.array([float(tau(one)) for one in z])
+    np.testing.assert_allclose(found, 9.2 * z + 9.7 * z * np.abs(z) + 5.2, atol=1e-12)
+    assert loop.amplitude_Nm == pytest.approx(18.9)
+    again = Hysteresis.model_validate(loop.model_dump())
+    assert again == loop
+    assert len(again.discrepancy) == 2

@@ -78,7 +78,11 @@ CASES: dict[str, list[Effect]] = {
         effect("process_force", None, force_x_N=60, force_z_N=-80, start_s=0.2, stop_s=0.8)
     ],
     "along the tool": [effect("process_force", None, force_z_N=-80, in_tool_frame=True)],
-    "hysteresis": [effect("hysteresis", j, amplitude_Nm=40, width_rad=0.02) for j in (1, 2, 3)],
+    "hysteresis": [
+        effect("hysteresis", 1, amplitude_Nm=40, width_rad=0.02),
+        effect("hysteresis", 2, amplitude_Nm=40, width_rad=0.02, discrepancy=(25, -15)),
+        effect("hysteresis", 3, amplitude_Nm=40, width_rad=0.02),
+    ],
     "ripple in windows": [
         effect("gear_ripple", 3, amplitude_Nm=8, order=37, windows_s=((0.1, 0.6), (0.7, 0.9)))
     ],

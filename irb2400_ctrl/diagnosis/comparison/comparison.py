@@ -11,6 +11,7 @@ from typing import TypeVar
 import numpy as np
 
 from irb2400_ctrl.arrays import Array, rms
+from irb2400_ctrl.diagnosis.comparison.polish import polished
 from irb2400_ctrl.diagnosis.comparison.scan import Scan
 from irb2400_ctrl.diagnosis.estimation.candidate import Candidate
 from irb2400_ctrl.diagnosis.estimation.evidence import Problem, discrepancy_shares
@@ -137,7 +138,8 @@ class StepComparison:
         if not any(e.states for e in candidate.effects):
             return alternative
         # what is tried is held against the candidate under one noise
-        return replace(alternative, candidate=self.scan.polished(*self._under_own_noise(candidate)))
+        found = polished(self.scan, *self._under_own_noise(candidate))
+        return replace(alternative, candidate=found)
 
     def added(self, candidate: Candidate) -> Array:
         """Rms that a candidate takes off what is left, beside a base that moves with it, shape (n,)

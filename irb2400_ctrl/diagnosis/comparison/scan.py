@@ -179,56 +179,22 @@ class Scan(LogColumns):
             for key, width in widths.items():
                 there = best.effects[0].nonlinear
                 for side in (-1, 1):
-                    trial = self._at(problem, best, {**there, key: there[key] + side * width})
+                    trial = self.moved(problem, best, {**there, key: there[key] + side * width})
                     if trial is not None and trial.score.gain > best.score.gain:
                         best = trial
                 widths[key] = width / 2
         return best
 
-    def polished(self, problem: Problem, candidate: Candidate) -> Candidate:
-        """Nonlinear parameters of an effect with memory, by coordinate search on the evidence.
-
-        How the record began is free and changes with them, so the fit's slopes would mislead.
-        """
-        if not candidate.known or not LIBRARY[candidate.kind].states:
-            return candidate
-        best = candidate
-        effect = candidate.effects[0]
-        nonlinear = effect.nonlinear
-        for width in (0.1, 0.04, 0.015):
-            for key in nonlinear:
-                spread = (1 + width) ** (8 if key in effect.prior.loose else 1)
-                trials = [{**nonlinear, key: nonlinear[key] * spread**k} for k in (-2, -1, 1, 2)]
-                for trial in trials:
-                    moved = self._at(problem, best, trial)
-                    if moved is not None and moved.score.gain > best.score.gain:
-                        best = moved
-                        nonlinear = trial
-        return replace(best, spread=self._spread(problem, best, nonlinear))
-
-    def _spread(
-        self, problem: Problem, best: Candidate, nonlinear: dict[str, float]
-    ) -> dict[str, float]:
-        """Standard errors from the curvature of the evidence: gain(p + h) + gain(p - h) = 2 gain(p)
-        - (h / sigma)^2."""
-        found = {}
-        for key, value in nonlinear.items():
-            for share in (0.01, 0.05, 0.2):
-                trials = [
-                    self._at(problem, best, {**nonlinear, key: value * (1 + side * share)})
-                    for side in (-1, 1)
-                ]
-                drop = sum(
-                    best.score.gain - trial.score.gain for trial in trials if trial is not None
-                )
-                if None not in trials and drop > 1.0:
-                    found[key] = share * value / float(np.sqrt(drop))
-                    break
-        return found
-
-    def _at(
+    def moved(
         self, problem: Problem, candidate: Candidate, nonlinear: dict[str, float]
     ) -> Candidate | None:
+        """The candidate with other nonlinear parameters; None where no such thing is.
+
+        Args:
+            problem: what it is to explain.
+            candidate: as it is.
+            nonlinear: its parameters by name.
+        """
         kind = candidate.kind
         joint = candidate.joint
         law, extra = self.member(kind, joint, nonlinear)

@@ -20,12 +20,11 @@ from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.diagnosis.preparation.noise import Noise
 from irb2400_ctrl.diagnosis.regressors.bases import RegressorColumns
 from irb2400_ctrl.effects import LIBRARY
+from irb2400_ctrl.effects.prior import DEPARTURE
 
 Expected = Sequence[tuple[float, float]]
 """usual value and spread of each coefficient"""
 
-DISCREPANCY = 0.10
-"""how far a real device departs from the textbook's law: rms over rms, one standard deviation"""
 BEGINNING = 3.0
 """the same for the response to an unknown state at the beginning of the record"""
 
@@ -201,13 +200,13 @@ class Problem:
         expected: Expected = (),
         shares: Array | None = None,
     ) -> Score:
-        """Evidence of a law, with discrepancy of at most about DISCREPANCY of its own size.
+        """Evidence of a law, with discrepancy of at most about DEPARTURE of its own size.
 
         Args:
             law, discrepancy: filtered columns on the same joints.
             expected: usual value and spread of the law's coefficients; empty: as flat as the data
                 allow (g-prior at its best g).
-            shares: allowed size of each departure over the law's; default DISCREPANCY.
+            shares: allowed size of each departure over the law's; default DEPARTURE.
         """
         k = law.values.shape[2]
         if discrepancy is None or discrepancy.values.shape[2] == 0:
@@ -248,8 +247,9 @@ def _grams(x: Array, g: int, k: int) -> Array:
 def discrepancy_shares(kind: str, count: int) -> Array:
     """Allowed size of each departure over the law's own: small for another shape, free for the
     record's beginning."""
-    shares = np.full(count, DISCREPANCY)
-    if beginnings := LIBRARY[kind].beginnings():
+    effect = LIBRARY[kind]
+    shares = np.full(count, effect.prior.departure)
+    if beginnings := effect.beginnings():
         shares[count - beginnings :] = BEGINNING
     return shares
 
@@ -275,9 +275,7 @@ def discrepancy_unit(
         least = np.sqrt(np.mean((law.values @ np.ones(len(coefficients))) ** 2))
         size = np.where(shares == BEGINNING, max(size, least), size)
     widths = np.sqrt(np.mean(discrepancy.values**2, axis=(0, 1)))
-    return np.asarray(
-        (DISCREPANCY if shares is None else shares) * size / np.maximum(widths, 1e-12)
-    )
+    return np.asarray((DEPARTURE if shares is None else shares) * size / np.maximum(widths, 1e-12))
 
 
 def law_gain(gram: Array, right: Array, expected: Expected) -> tuple[float, Array]:
