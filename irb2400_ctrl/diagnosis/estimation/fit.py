@@ -320,19 +320,25 @@ class Fitter:
         step = small_step(value_of(effect, parameter))
         return slope_of(effect, parameter, step, lambda one: self._torque(one, filtered))
 
+    def departures(self, effect: Effect, *, filtered: bool = True) -> Array:
+        """Columns of an effect's discrepancy, shape (rows, n, k): of what no file keeps that which
+        the law cannot give, or the law alone would be another one."""
+        placed = self.placed(effect, discrepancy=True, filtered=filtered)
+        if effect.prior.lasting is None:
+            return placed
+        lost = slice(effect.prior.lasting, placed.shape[2] - effect.beginnings())
+        law = self.placed(effect)
+        more = self.placed(effect, discrepancy=True)[:, :, lost]
+        same = np.linalg.lstsq(law.reshape(-1, law.shape[2]), more.reshape(-1, more.shape[2]))[0]
+        placed = placed.copy()
+        placed[:, :, lost] -= self.placed(effect, filtered=filtered) @ same
+        return placed
+
     def _discrepancy(self, effect: Effect) -> tuple[Array, Array]:
-        placed = self.placed(effect, discrepancy=True)
-        if not placed.shape[2]:
-            return placed, np.zeros(0)
+        placed = self.departures(effect)
         shares = discrepancy_shares(effect.kind, placed.shape[2])
-        everywhere = tuple(range(self.motion.n))
-        law = RegressorColumns(everywhere, self.placed(effect))
-        if effect.prior.lasting is not None:
-            # what no file keeps is what the law cannot give: the law alone would be another one
-            lost = slice(effect.prior.lasting, placed.shape[2] - effect.beginnings())
-            placed = placed.copy()
-            placed[:, :, lost] = beside(placed[:, :, lost], law.values)
-        departures = RegressorColumns(everywhere, placed)
+        joints = tuple(range(self.motion.n))
+        law, departures = (RegressorColumns(joints, one) for one in (self.placed(effect), placed))
         # wider than in the competition, so that they do not come out too small
         sizes = discrepancy_unit(law, np.array(effect.coefficients()), departures, shares)
         return placed, 1.5 * sizes
@@ -341,10 +347,3 @@ class Fitter:
         b = candidate.score.coefficients
         values = candidate.law.values * (3.0 * np.sqrt(np.mean(b**2)))
         return self._on_all_joints(candidate.law.joints, values)
-
-
-def beside(columns: Array, law: Array) -> Array:
-    """What of columns (rows, n, k) no coefficients of a law (rows, n, l) give, by least squares."""
-    X = law.reshape(-1, law.shape[2])
-    values = columns.reshape(len(X), -1)
-    return np.asarray(values - X @ np.linalg.lstsq(X, values, rcond=None)[0]).reshape(columns.shape)

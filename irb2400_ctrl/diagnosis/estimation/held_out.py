@@ -224,7 +224,7 @@ class HeldOut:
             slope = fitter.slope(bare[parameter.effect], parameter, filtered=False)
             blocks.append(slope[:, :, None] * scale)
         for effect, unit in zip(bare, fit.units, strict=True):
-            blocks.append(fitter.placed(effect, discrepancy=True, filtered=False) * unit)
+            blocks.append(fitter.departures(effect, filtered=False) * unit)
         places.append(np.arange(place, place + sum(map(len, fit.units))))
         return np.concatenate(blocks, axis=2), np.concatenate(places)
 
