@@ -53,3 +53,12 @@ def test_what_a_file_states_is_looked_for_at_its_own_load(
     grid, _ = columns.laws["load_friction", 4]
     assert len(grid) == 2
     assert {point["reference_Nm"] for point in grid} == {reference}
+
+
+def test_a_square_of_the_speed_is_no_departure_of_a_viscous_friction() -> None:
+    """A viscous friction too small to be named, with this for its departure, hid it: nothing was
+    said of 6.6 times the noise."""
+    diagnosis = diagnosed(case_of(20263541, "single/39"))
+    (effect,) = diagnosis.robot.effects
+    assert (effect.kind, effect.joint, diagnosis.verdict) == ("viscous_power", 3, "explained")
+    assert effect.exponent == pytest.approx(2.18, abs=0.3)

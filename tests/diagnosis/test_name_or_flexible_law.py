@@ -119,6 +119,10 @@ def test_what_does_not_matter_by_its_name_does_not_matter_without_one() -> None:
     assert not less(alternative(candidate((0.0, 2.1, 0.0)), gain=51.0))
     assert not less(alternative(candidate((0.0, 1.9, 0.0), joint=3), gain=51.0))
     assert not less(alternative(candidate((0.0, 1.9, 0.0), known=False), gain=51.0))
+    # what it departs from its law is not said by its name: a square of the speed was hidden by a
+    # viscous friction whose departure it is
+    assert less(alternative(small, gain=51.0, by_law=25.1))
+    assert not less(alternative(small, gain=51.0, by_law=24.9))
     # nor by a wrong name, which it beats clearly
     name = alternative(candidate(), gain=50.0)
     assert less(alternative(small, gain=60.1), of=name)

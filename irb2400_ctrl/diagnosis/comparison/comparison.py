@@ -44,6 +44,11 @@ class Alternative:
     by_law: float
     rattles: bool = False
 
+    def by_its_law(self, share: float) -> bool:
+        """Whether more than this share of what it gains is its law's, the rest what it departs from
+        that."""
+        return self.by_law > share * self.candidate.score.gain
+
 
 def settled(first: One, anew: Callable[[One], One], evidence: Callable[[One], float]) -> One:
     """What rounds of fitting, and of estimating the noise that the fit leaves, come to.

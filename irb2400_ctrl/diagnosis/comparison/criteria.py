@@ -156,8 +156,7 @@ class Threshold:
         candidate = alternative.candidate
         size = self._size(candidate)
         # by discrepancy from its law alone, which the base takes in: a good size speaks for it
-        by_law = alternative.by_law > c.by_law * candidate.score.gain
-        least = c.torque if by_law else c.torque_beside_law
+        least = c.torque if alternative.by_its_law(c.by_law) else c.torque_beside_law
         shown = size
         if candidate.rattles:
             least = 0.0  # nine tenths of it are quicker than what is compared
@@ -175,7 +174,8 @@ class Threshold:
     ) -> bool:
         """Whether an effect too small to be named says what another one or a non-parametric law of
         its joint says, and better: what does not matter by its name does not matter by a wrong one
-        or without. Of one that rattles the size says little.
+        or without. Of one that rattles the size says little, and what is said mostly by departures
+        from a law is not said by its name.
 
         Args:
             comparison: of all alternatives.
@@ -191,6 +191,7 @@ class Threshold:
             and other.candidate.kind != alternative.candidate.kind
             and not other.candidate.rattles
             and other.evidence > alternative.evidence + clearly
+            and other.by_its_law(self.criteria.by_law)
             and not self.matters(comparison, other).any()
             for other in every
         )
