@@ -46,3 +46,22 @@ def test_a_loop_beside_what_creeps_may_be_its_creep(beside: str, joint: int, mos
     other = replace(finding(beside, joint, 0.5), confidence=0.9)
     told = suspected((other, loop), False, None)
     assert [one.confidence for one in told] == [0.9, most]
+
+
+@pytest.mark.parametrize(
+    ("windows", "most"),
+    [
+        (((20.3, 20.49),), 0.75),
+        (((20.3, 20.39), (22.0, 22.1)), 0.75),
+        (((20.3, 20.39), (22.0, 22.3)), 0.9),
+        (((20.3, 1e9),), 0.9),
+        ((), 0.9),
+    ],
+)
+def test_what_acts_for_a_moment_may_be_readings_that_stood_still(
+    windows: tuple[tuple[float, float], ...], most: float
+) -> None:
+    name = finding("base_tilt", 1, 0.5)
+    effect = name.effect.model_copy(update={"windows_s": windows})
+    (told,) = suspected((replace(name, effect=effect, confidence=0.9),), False, None)
+    assert told.confidence == most
