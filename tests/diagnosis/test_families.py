@@ -117,7 +117,7 @@ def test_a_law_of_several_numbers_is_searched_between_the_points_of_its_grid() -
         return replace_score(candidate, effect, -off)
 
     start = at(None, SimpleNamespace(kind="balancer", joint=2, known=True), GRID[7])
-    found = scan(_at=at).between(None, start)
+    found = scan(moved=at).between(None, start)
     assert start.effects[0].nonlinear == GRID[7]
     assert found.effects[0].nonlinear["gas_exponent"] == 0.0  # a spring or a gas, nothing between
     for key, value in aim.items():

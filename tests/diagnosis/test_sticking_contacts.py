@@ -181,7 +181,10 @@ def test_a_loop_is_found_beside_dry_friction_that_the_file_does_not_state() -> N
     assert isinstance(loop, Hysteresis)
     assert loop.joint == 5
     assert loop.replaced_Nm == 0.0
-    assert loop.amplitude_Nm == pytest.approx(8.0, rel=0.2)
+    assert loop.amplitude_Nm == pytest.approx(8.0, rel=0.3)
+    # what of the loop turns over early is dry friction's
+    dry = found.robot.joints[4].friction.coulomb_Nm - ROBOT.joints[4].friction.coulomb_Nm
+    assert loop.amplitude_Nm + dry == pytest.approx(8.0, rel=0.05)
 
 
 def test_a_search_that_ends_before_it_settled_says_so() -> None:
