@@ -77,6 +77,9 @@ class Change:
         self.chain = chain
         self.true = true
         self.joint = int(rng.integers(len(chain)))
+        if kind == "encoder_zero":
+            # no torque changes with the angle of an upright first axis
+            self.joint = max(self.joint, 1)
         self.share = float(rng.uniform(0.12, 0.3))
 
     def __call__(
