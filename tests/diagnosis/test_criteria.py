@@ -139,6 +139,15 @@ def test_beside_a_delay_everything_shows_in_motion() -> None:
     assert not with_gain(19.9, late)
     assert with_gain(0.0, candidate((8.0, 0.0, 0.0)))
 
+    # or as much as it would need by itself, here 11 nats and what the delay may leave: 21 nats of
+    # a change of dry friction were one too few
+    def of_base(moving: float) -> bool:
+        given = {"moving": lambda one: (moving, 1.0), "share_beyond_base": lambda one: 0.01}
+        return accepts(candidate(), candidate((8.0, 0.0, 0.0), gain=1.0, chain="clock"), **given)
+
+    assert of_base(11.5)
+    assert not of_base(10.9)
+
 
 def test_beside_flexible_columns_of_what_an_earlier_law_leaves_evidence_alone_speaks() -> None:
     # may leave 1,125 nats of any shape

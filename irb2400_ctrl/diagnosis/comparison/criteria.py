@@ -56,8 +56,7 @@ class Criteria:
         shortlist: candidates judged in a step; most: explanations of one log; most_refused:
             names that a polished fit does not bear out, most_looks: times that all candidates are
             judged beside what is chosen, before the search ends. Three effects at once take eleven
-            at most; a half of the Panda's record and a liquid at the tool, of which no name is
-            sure, would take 19 and 52.
+            at most, a half of the Panda's record and a liquid at the tool would take 19 and 52.
     """
 
     gain: float = 22.0
@@ -147,7 +146,8 @@ class Threshold:
         if not must and not smeared:
             return True
         gain, size = comparison.moving(alternative.candidate)
-        if gain < min(c.moving * comparison.gain(alternative), c.gain):
+        enough = min(c.gain, self.least_gain(comparison, alternative))
+        if gain < min(c.moving * comparison.gain(alternative), enough):
             return False
         return not must or 1.0 / c.same_size < size < c.same_size
 
