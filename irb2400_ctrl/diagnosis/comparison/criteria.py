@@ -56,7 +56,7 @@ class Criteria:
         shortlist: candidates judged in a step; most: explanations of one log; most_refused:
             names that a polished fit does not bear out, most_looks: times that all candidates are
             judged beside what is chosen, before the search ends. Three effects at once take eleven
-            at most, a half of the Panda's record and a liquid at the tool would take 19 and 52.
+            at most, a half of the Panda's record nineteen; a liquid at the tool took 52.
     """
 
     gain: float = 22.0
@@ -82,7 +82,7 @@ class Criteria:
     shortlist: int = 10
     most: int = 8
     most_refused: int = 4
-    most_looks: int = 15
+    most_looks: int = 20
 
     @property
     def lowest(self) -> float:
