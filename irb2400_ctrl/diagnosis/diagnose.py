@@ -279,6 +279,7 @@ def _concluded(
         left_out=logs.left_out,
         noise=noise,
         nameless=selection.nameless,
+        unsettled=selection.unsettled,
     )
     return replace(found, weak=(*found.weak, *_read_off(found, selection)))
 

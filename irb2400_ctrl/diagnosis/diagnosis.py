@@ -87,6 +87,7 @@ class Diagnosis(Displayed):
         noise: what is left, held against what neighbouring samples disagree about; None where no
             effect was tried.
         nameless: joint (from 1) with so much that no name says that lesser names were taken back.
+        unsettled: whether the search for names ended before it settled.
     """
 
     given: Robot
@@ -107,6 +108,7 @@ class Diagnosis(Displayed):
     usual_error: Array | None = None
     noise: NoiseTest | None = None
     nameless: int | None = None
+    unsettled: bool = False
 
     @property
     def noise_floor(self) -> Array:
@@ -115,7 +117,8 @@ class Diagnosis(Displayed):
 
     @property
     def verdict(self) -> Verdict:
-        """`unexplained` wins over `explained`: something is left that has no name.
+        """`unexplained` wins over `explained`: something is left that has no name, or names come
+        and go with each other.
 
         What is more than noise is never called nothing.
         """
@@ -123,7 +126,7 @@ class Diagnosis(Displayed):
             return "log_not_understood"
         if self.unexplained or self.nameless or (self.findings and self.left_over):
             return "unexplained"
-        if self.worse_at_rest:  # whatever was found
+        if self.worse_at_rest or self.unsettled:  # whatever was found
             return "unexplained"
         if self.findings:
             return "explained"

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from third_plant_logs import case_of, diagnosed
+from plant_logs import case_of, diagnosed
 
 import irb2400_ctrl as irb
 from irb2400_ctrl.diagnosis.comparison.log_columns import LogColumns

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from diagnosis.plain_motion import BASES, ROBOT, motion
 from independent_plant import Case, Effect
-from mujoco_plant.suites import suite
+from plant_logs import of_second_plant
 
 from irb2400_ctrl.diagnosis import diagnose
 from irb2400_ctrl.diagnosis.estimation.candidate import Candidate
@@ -117,10 +117,7 @@ def test_unseen_rows_are_told_with_the_departures_that_were_fitted() -> None:
 def test_a_gain_of_an_axis_that_bears_its_weight_is_named() -> None:
     """It was worth 166 nats on unseen rows and -652 by what was told: a mass of the parallelogram
     was there instead."""
-    (case,) = suite("pairs", 2, 1, 20263580)
-    seen = case.simulate()
-    log = Log(seen.time, seen.q, seen.tau, qd=seen.qd, q_ref=seen.q_ref)
-    found = diagnose(ROBOT, log)
+    found = of_second_plant(20263580, "pairs/2")
     assert {(f.effect.kind, f.effect.joint) for f in found.findings} == {
         ("torque_gain", 3),
         ("cable_spring", 6),

@@ -8,11 +8,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-from diagnosis.test_names import ROBOT, names
-from mujoco_plant.suites import suite
-from third_plant_logs import case_of, diagnosed
+from diagnosis.test_names import names
+from plant_logs import case_of, diagnosed, of_second_plant
 
-from irb2400_ctrl.diagnosis import Diagnosis, diagnose
 from irb2400_ctrl.diagnosis.bent_numbers import beside_noise
 from irb2400_ctrl.diagnosis.comparison.comparison import StepComparison
 from irb2400_ctrl.diagnosis.comparison.step import of_the_whole_arm
@@ -23,13 +21,6 @@ from irb2400_ctrl.diagnosis.numbers import Number
 from irb2400_ctrl.diagnosis.preparation.noise import NoiseModel
 from irb2400_ctrl.diagnosis.regressors.bases import RegressorColumns
 from irb2400_ctrl.effects import LIBRARY
-from irb2400_ctrl.measurement import Log
-
-
-def of_second_plant(seed: int, where: str, number: int) -> Diagnosis:
-    (case,) = suite(where, number, 1, seed)
-    seen = case.simulate()
-    return diagnose(ROBOT, Log(seen.time, seen.q, seen.tau, qd=seen.qd, q_ref=seen.q_ref))
 
 
 @pytest.mark.parametrize(("size", "relieved"), [(1.0, True), (0.2, False), (0.0, False)])
@@ -132,10 +123,10 @@ def test_a_liquid_that_shakes_all_joints_changes_no_number_of_the_robot(
     [
         # grease of axis 1 that a springy axis 5 might have left by its evidence alone
         (lambda: diagnosed(case_of(20261821, "pairs/5")), ("viscous_power", 1)),
-        (lambda: of_second_plant(20261710, "pairs", 13), ("viscous_change", 1)),
+        (lambda: of_second_plant(20261710, "pairs/13"), ("viscous_change", 1)),
         # bodies four times further off said more than the best one of two effects
-        (lambda: of_second_plant(20261720, "three", 0), ("link_inertia", 2)),
-        (lambda: of_second_plant(20261710, "three", 4), ("link_inertia", 4)),
+        (lambda: of_second_plant(20261720, "three/0"), ("link_inertia", 2)),
+        (lambda: of_second_plant(20261710, "three/4"), ("link_inertia", 4)),
         # sliders of which most turn over at once
         (lambda: diagnosed(case_of(20261831, "single/41")), ("hysteresis", 2)),
     ],

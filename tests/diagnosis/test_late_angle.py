@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from diagnosis.test_names import ROBOT, names
 from diagnosis.test_parts import BASES, motion
-from third_plant_logs import case_of, diagnosed
+from plant_logs import case_of, diagnosed
 
 from irb2400_ctrl.diagnosis.comparison.comparison import Alternative
 from irb2400_ctrl.diagnosis.comparison.criteria import Criteria

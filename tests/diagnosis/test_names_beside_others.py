@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from diagnosis.test_names import ROBOT, names, sound
 from mujoco_plant.suites import suite
-from third_plant_logs import case_of, diagnosed
+from plant_logs import case_of, diagnosed
 
 from irb2400_ctrl.diagnosis import diagnose
 from irb2400_ctrl.measurement import Log

@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 from diagnosis.test_names import ROBOT, names, sound
-from third_plant_logs import case_of, diagnosed
+from plant_logs import case_of, diagnosed
 
 from irb2400_ctrl.diagnosis import diagnose
 from irb2400_ctrl.diagnosis.comparison.acceptance import Acceptance

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
-import pytest
-from mujoco_plant.suites import suite
-from third_plant_logs import ROBOT, case_of, diagnosed
+from dataclasses import dataclass
+from types import SimpleNamespace
+from typing import Any
 
-import irb2400_ctrl as irb
+import pytest
+from plant_logs import case_of, diagnosed, of_second_plant
+
 from irb2400_ctrl.diagnosis import findings
+from irb2400_ctrl.diagnosis.comparison.polish import polished
+from irb2400_ctrl.effects import LIBRARY, Effect
 
 
 @pytest.mark.parametrize("rough", [True, False])
@@ -50,9 +54,28 @@ def test_a_spring_far_from_the_best_point_of_its_grid_is_named() -> None:
 def test_a_damping_that_no_evidence_asks_for_stays_usual() -> None:
     """It went to 0.006 for three nats, where what the file says swings on for the whole log: the
     spring was not borne out, and nothing was said."""
-    (case,) = suite("pairs", 2, 1, 20263540)
-    seen = case.simulate()
-    log = irb.Log(seen.time, seen.q, seen.tau, qd=seen.qd, q_ref=seen.q_ref)
-    (finding,) = irb.diagnose(ROBOT, log).findings
+    (finding,) = of_second_plant(20263540, "pairs/2").findings
     assert (finding.effect.kind, finding.effect.joint) == ("elastic_joint", 5)
     assert 0.02 < finding.effect.damping_ratio < 0.2
+
+
+def test_what_is_loose_is_not_looked_for_far_away() -> None:
+    """Beside a stiffness that is far off any damping may seem better; that comes after it."""
+    tried: list[dict[str, float]] = []
+    spring = LIBRARY["elastic_joint"].of(1, stiffness_Nm_rad=1e5, damping_ratio=0.04)
+
+    def moved(problem: Any, candidate: Any, nonlinear: dict[str, float]) -> None:
+        tried.append(nonlinear)
+
+    @dataclass(frozen=True)
+    class Found:
+        effects: tuple[Effect, ...] = (spring,)
+        spread: Any = None
+
+    scan: Any = SimpleNamespace(moved=moved)
+    one: Any = Found()
+    polished(scan, None, one)
+    stiffness = [point["stiffness_Nm_rad"] for point in tried]
+    assert (min(stiffness), max(stiffness)) == pytest.approx((1e5 / 1.96, 1.96e5))
+    damping = [point["damping_ratio"] for point in tried]
+    assert max(damping) == pytest.approx(0.04 * 1.1**16)

@@ -4,7 +4,7 @@ usual one."""
 from __future__ import annotations
 
 import pytest
-from third_plant_logs import case_of, diagnosed
+from plant_logs import case_of, diagnosed
 
 
 def test_it_is_named_with_its_amplitude_under_the_usual_load() -> None:

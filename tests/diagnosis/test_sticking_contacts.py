@@ -194,6 +194,8 @@ def test_a_search_that_ends_before_it_settled_says_so() -> None:
     robot = ROBOT.model_copy(update={"tool": ROBOT.tool.model_copy(update={"body": heavy})})
     found = diagnose(robot, log, criteria=Criteria(most_looks=1))
     assert UNSETTLED in found.weak
+    # a liquid at the tool was explained by three names at 0.5
+    assert found.verdict == "unexplained"
     # beside a force that chattered link 2 was 34 % heavier, with a moment of inertia below nothing
     assert not [one for one in found.numbers if one.list != "lacks"]
     # "take what is said for a suspicion", and a heavier link beside it was 85 % sure

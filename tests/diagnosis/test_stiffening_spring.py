@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from third_plant_logs import case_of, diagnosed
+from plant_logs import case_of, diagnosed
 
 import irb2400_ctrl as irb
 

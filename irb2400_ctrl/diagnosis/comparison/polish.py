@@ -10,7 +10,6 @@ from dataclasses import replace
 from irb2400_ctrl.diagnosis.comparison.scan import Scan
 from irb2400_ctrl.diagnosis.estimation.candidate import Candidate
 from irb2400_ctrl.diagnosis.estimation.evidence import Problem
-from irb2400_ctrl.effects import LIBRARY
 
 WIDTHS = (0.1, 0.04, 0.015)
 """shares by which they move, one after the other"""
@@ -26,12 +25,11 @@ def polished(scan: Scan, problem: Problem, candidate: Candidate) -> Candidate:
     """The candidate at the best point that a search by coordinates finds, with its spread.
 
     Args:
-        scan: with its columns; problem: what it is to explain; candidate: at a point of the grid.
+        scan: with its columns; problem: what it is to explain.
+        candidate: of one effect, at a point of the grid.
     """
-    if not candidate.known or not LIBRARY[candidate.kind].states:
-        return candidate
     best = candidate
-    effect = candidate.effects[0]
+    (effect,) = candidate.effects
     nonlinear = effect.nonlinear
     for width in (FAR, *WIDTHS) if effect.search.device else WIDTHS:
         for key in nonlinear:
