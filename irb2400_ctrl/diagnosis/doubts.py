@@ -10,6 +10,7 @@ from irb2400_ctrl.diagnosis.comparison.confidence import LOOKALIKE_CAP
 from irb2400_ctrl.diagnosis.diagnosis import Diagnosis
 from irb2400_ctrl.diagnosis.finding import Finding
 from irb2400_ctrl.diagnosis.preparation.quick_rests import Moments
+from irb2400_ctrl.effects.linkage_inertia import LinkageInertia
 from irb2400_ctrl.effects.process_force import A_MOMENT
 
 ONCE = (
@@ -38,6 +39,10 @@ def suspected(
 
     def most(one: Finding) -> float:
         if unsettled and one.list != "lacks":
+            return SUSPECTED
+        # a lever that weighs something has an inertia: told by its weight alone it was a gain, a
+        # balancer or nothing on four of eight arms
+        if isinstance(one.effect, LinkageInertia) and one.effect.inertia_kgm2 == 0.0:
             return SUSPECTED
         beside = {e.effect.kind for e in found if e.effect.joint == one.effect.joint}
         if one.effect.kind == "hysteresis" and beside & set(CREEPING):

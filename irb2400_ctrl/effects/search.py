@@ -28,7 +28,7 @@ class Search:
         rattles: the link bounces as its load changes sides, which its neighbours feel; most of its
             torque is quicker than what is compared, so that its size says little.
         at_usual_load: its nonlinear parameter that is the usual load of its joint in the log [Nm].
-        beside: kind without which, on some joint, no arm has it.
+        beside: kind without which, on some joint, no arm has it on one of its joints alone.
     """
 
     device: str = ""

@@ -25,7 +25,7 @@ class TorqueOffset(Effect):
     sentence: ClassVar[str] = "the reported torque of the joint is shifted by a constant"
     example: ClassVar[Mapping[str, Any]] = {"offset_Nm": 1.0}
     ambiguity: ClassVar[Ambiguity] = OFFSET
-    prior: ClassVar[Prior] = Prior(discrepancy_share=EXACT)
+    prior: ClassVar[Prior] = Prior(discrepancy_share=EXACT, lasting=0)
     # a drive's amplifiers drift alike
     search: ClassVar[Search] = Search(on_every_joint=True, usual=True)
     drawing: ClassVar[Drawing] = Drawing("time")
@@ -35,6 +35,10 @@ class TorqueOffset(Effect):
 
     def basis(self, s: Signals) -> ca.SX:
         return self.on(ca.SX(1.0), s.q.numel())
+
+    def discrepancy_basis(self, s: Signals) -> ca.SX:
+        # an amplifier that warms up drifts
+        return self.on(s.time, s.q.numel())
 
     def _shown(self, time: Array, tau: Array) -> Array:
         shown = np.array(tau)

@@ -101,5 +101,5 @@ class TransmissionBacklash(Effect):
         return [
             {"crossing_s": time, "flight_rad": float(gap)}
             for time in (0.04, 0.08)
-            for gap in np.geomspace(1e-4, 9e-3, 5)
+            for gap in np.geomspace(1e-4, 27e-3, 6)
         ]

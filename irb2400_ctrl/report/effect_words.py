@@ -38,7 +38,7 @@ SEARCH = {
     "turns_over_in": "a diagnosis names it only where it is wider than what contacts hold over, "
     "measured at the turns of all joints",
     "at_usual_load": "its coefficient is told for the load that the joint usually carries",
-    "beside": "a diagnosis names it only beside the kind without which no arm has it",
+    "beside": "felt on one of its joints alone it is named only beside another kind",
     "rattles": "at the wrist also told by what the neighbours feel as the load changes sides",
 }
 """words for what an effect may say in its `search`"""

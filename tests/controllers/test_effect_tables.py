@@ -196,6 +196,8 @@ def test_a_row_says_unit_and_meaning_of_its_field() -> None:
     assert told == {
         "stiffness_Nm_rad": ("Nm/rad", "stiffness k, cable_spring of joint 4"),
         "neutral_rad": ("rad", "angle q_0 without torque, cable_spring of joint 4"),
+        "stiffening_Nm_rad3": ("Nm/rad^3", "stiffening to either side c, cable_spring of joint 4"),
+        "one_sided": ("-", "how much more it stiffens one way s, cable_spring of joint 4"),
     }
 
 

@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 from irb2400_ctrl.diagnosis.comparison.comparison import Alternative
-from irb2400_ctrl.diagnosis.comparison.criteria import Criteria, Threshold, of_one_moment
+from irb2400_ctrl.diagnosis.comparison.criteria import Criteria, Threshold
+from irb2400_ctrl.diagnosis.comparison.step import of_one_moment
 from irb2400_ctrl.effects.base import OPEN_END_S
 
 BASE = 1000.0

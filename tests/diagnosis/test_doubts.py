@@ -65,3 +65,11 @@ def test_what_acts_for_a_moment_may_be_readings_that_stood_still(
     effect = name.effect.model_copy(update={"windows_s": windows})
     (told,) = suspected((replace(name, effect=effect, confidence=0.9),), False, None)
     assert told.confidence == most
+
+
+@pytest.mark.parametrize(("inertia", "most"), [(0.0, 0.5), (0.2, 0.8)])
+def test_a_lever_without_inertia_may_be_a_spring_or_a_gain(inertia: float, most: float) -> None:
+    name = finding("linkage_inertia", 3, 0.5)
+    effect = name.effect.model_copy(update={"inertia_kgm2": inertia, "moment_kgm": -0.6})
+    (told,) = suspected((replace(name, effect=effect, confidence=0.8),), False, None)
+    assert told.confidence == most

@@ -178,8 +178,22 @@ def test_a_wrist_whose_first_axis_turns_the_motor_of_the_third_is_named() -> Non
         assert isinstance(effect, FarWristCoupling if effect.joint == 4 else WristCoupling)
         assert effect.dry_Nm == pytest.approx(1.2, rel=0.25)
         assert abs(effect.neighbour_dry_Nm) < 0.3
-    # a shaft through two axes has gears on both: one without is none
+    # a shaft through two axes drags both: what one feels alone is none
     assert ("far_wrist_coupling", 4) not in names(diagnose(ROBOT, alone))
+
+
+def test_a_motor_that_two_axes_turn_is_named_without_a_coupling_of_neighbours() -> None:
+    """Two arms whose axes 4 and 6 turned one motor had two laws without a name, 1,043 nats of what
+    was the speed of the other axis."""
+    motor = speed(6) - 0.4 * speed(4)
+    friction = 1.5 * motor + 0.5 * np.tanh(motor / 0.05)
+    own = 1.5 * speed(6) + 0.5 * np.tanh(speed(6) / 0.05)
+    log = with_torque(6, friction - own)
+    tau = log.tau.copy()
+    tau[:, 3] -= 0.4 * friction
+    found = diagnose(ROBOT, replace(log, tau=tau))
+    assert names(found) == [("far_wrist_coupling", 4)]
+    assert found.verdict == "explained"
 
 
 def test_a_name_says_what_it_is_worth_on_unseen_stretches() -> None:

@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 from diagnosis.test_selection_steps import RATHER_WIDER
 
-from irb2400_ctrl.diagnosis.comparison.criteria import Criteria, of_one_moment
+from irb2400_ctrl.diagnosis.comparison.criteria import Criteria
 from irb2400_ctrl.diagnosis.comparison.selection import Selection
-from irb2400_ctrl.diagnosis.comparison.step import Step
+from irb2400_ctrl.diagnosis.comparison.step import Step, of_one_moment
 from irb2400_ctrl.diagnosis.estimation.fit import Fit, Fitter
 from irb2400_ctrl.diagnosis.estimation.reversals import reversal_rows
 from irb2400_ctrl.measurement.prepared_log import STICKING_SPEED

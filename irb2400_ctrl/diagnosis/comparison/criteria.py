@@ -10,19 +10,21 @@ import numpy as np
 
 from irb2400_ctrl.arrays import Array, Mask, rms
 from irb2400_ctrl.diagnosis.comparison.comparison import Alternative, StepComparison
+from irb2400_ctrl.diagnosis.comparison.own_friction import OwnFriction
+from irb2400_ctrl.diagnosis.comparison.step import of_one_moment
 from irb2400_ctrl.diagnosis.estimation.candidate import Candidate
 from irb2400_ctrl.effects import LIBRARY
 from irb2400_ctrl.effects.ambiguity import BaseTerm
 from irb2400_ctrl.effects.base import OPEN_END_S
 from irb2400_ctrl.measurement.prepared_log import PreparedLog
+from irb2400_ctrl.robot import Robot
 
-FRICTION: frozenset[BaseTerm] = frozenset(("coulomb", "viscous"))
-"""terms of the base that wear and temperature change"""
 QUICK = 0.5
 """share of the least torque that is enough of a delay, whose steps where friction turns over are
 quicker than what is compared, and of the flaw of a transmission, whose swing is"""
-ONE_MOMENT = 1.0
-"""[s] what begins nearer in time than this began for one reason"""
+
+FRICTION: frozenset[BaseTerm] = frozenset(("coulomb", "viscous"))
+"""terms of the base that wear and temperature change"""
 
 
 @dataclass(frozen=True)
@@ -39,8 +41,8 @@ class Criteria:
             neighbours feel, what they say of it among it.
         wider: times as uncertain all numbers of the robot may be, as a rival of the best name.
         energy: its energy over what the base alone leaves on that joint.
-        torque: its rms torque over the joint's; torque_beside_law: the same where its law alone
-            gains less than `by_law` of what it gains with discrepancy.
+        torque: its rms torque over the joint's (of a friction: `OwnFriction`); torque_beside_law:
+            the same where its law alone gains less than `by_law` of what it gains with discrepancy.
         largest: its rms torque over the joint's, above which it only cancels another one.
         moving: share of its gain, `gain` at most, that an effect of `Search.shows_moving` has away
             from reversals; same_size: times larger or smaller at most that it is there.
@@ -98,11 +100,15 @@ class Threshold:
         criteria: Criteria,
         motion: PreparedLog,
         predicted: Sequence[Array],
-        usual: Array | float = 0.0,
+        robot: Robot | None = None,
     ) -> None:
         """`predicted`: torque of the robot as given along the motion, and of each of its effects,
-        shape (m, n) [Nm]; `usual`: what an identification of this arm has left, (n,) [Nm]."""
-        self.usual = usual
+        shape (m, n) [Nm]; `robot`: default one of which no more is known."""
+        self.usual: Array | float = 0.0
+        self.friction: OwnFriction | None = None
+        if robot is not None:
+            self.usual = robot.usually_left
+            self.friction = OwnFriction(robot, motion)
         self.criteria = criteria
         self.n = motion.n
         torques = map(motion.filtered_reading, (motion.tau, *predicted))
@@ -168,15 +174,17 @@ class Threshold:
         if candidate.devices:
             shown = np.maximum(shown, comparison.sampled_rms(candidate))
         large = (size > np.sqrt(c.energy * comparison.energy)) & (size > self.usual)
-        return np.asarray(large & (shown > least * self.rms))
+        torque = candidate.torque(self.n)
+        against = self.rms if self.friction is None else self.friction.counted(torque, self.rms)
+        return np.asarray(large & (shown > least * against))
 
     def said_by_less(
         self, comparison: StepComparison, alternative: Alternative, every: Sequence[Alternative]
     ) -> bool:
         """Whether an effect too small to be named says what another one or a non-parametric law of
         its joint says, and better: what does not matter by its name does not matter by a wrong one
-        or without. Of one that rattles the size says little, and what is said mostly by departures
-        from a law is not said by its name.
+        or without. Of one that rattles the size says little, what is said mostly by departures from
+        a law is not said by its name, and some moments do not say what another name says of all.
 
         Args:
             comparison: of all alternatives.
@@ -185,12 +193,15 @@ class Threshold:
         """
         if alternative.rattles:
             return False
-        clearly = self.criteria.unknown if alternative.candidate.known else 0.0
+        named = alternative.candidate.known
+        clearly = self.criteria.unknown if named else 0.0
+        always = named and not alternative.candidate.begins
         return any(
             other.candidate.known
             and other.candidate.joint == alternative.candidate.joint
             and other.candidate.kind != alternative.candidate.kind
             and not other.candidate.rattles
+            and not (other.candidate.begins and always)
             and other.evidence > alternative.evidence + clearly
             and other.by_its_law(self.criteria.by_law)
             and not self.matters(comparison, other).any()
@@ -336,15 +347,4 @@ def _once_more(candidate: Candidate, earlier: Candidate) -> bool:
         candidate.known
         and (candidate.kind, candidate.joint) == (earlier.kind, earlier.joint)
         and not any(e.search.repeats for e in candidate.effects)
-    )
-
-
-def of_one_moment(candidate: Candidate, others: Sequence[Candidate]) -> bool:
-    """Whether a larger effect begins at the same moment: what else begins then its simple law has
-    left over."""
-    return any(
-        abs(start - moment) < ONE_MOMENT and candidate.score.gain < other.score.gain
-        for other in others
-        for start in candidate.begins
-        for moment in other.begins
     )

@@ -11,6 +11,7 @@ from irb2400_ctrl.effects import Effect
 from irb2400_ctrl.effects.added_body import REACH, AddedBody, LinkInertia
 from irb2400_ctrl.effects.base_tilt import BaseTilt
 from irb2400_ctrl.effects.cable_spring import CableSpring
+from irb2400_ctrl.effects.coulomb_asymmetry import CoulombAsymmetry
 from irb2400_ctrl.effects.encoder_zero import EncoderZero
 from irb2400_ctrl.effects.process_force import ProcessForce
 from irb2400_ctrl.effects.time_delay import TimeDelay
@@ -69,8 +70,12 @@ def relaxes_within_reach(robot: Robot, effect: Effect) -> bool:
         return True
     j = effect.index
     stated = [e for e in robot.effects if isinstance(e, CableSpring) and e.index == j]
-    k, constant = np.sum([e.coefficients() for e in (effect, *stated)], axis=0)
-    return bool((robot.q_min[j] - BEYOND) * k <= -constant <= (robot.q_max[j] + BEYOND) * k)
+    whole = np.sum([e.coefficients() for e in (effect, *stated)], axis=0)
+    lowest, highest = (
+        np.polyval(whole[[3, 2, 0, 1]], angle)
+        for angle in (robot.q_min[j] - BEYOND, robot.q_max[j] + BEYOND)
+    )
+    return bool(lowest <= 0.0 <= highest)
 
 
 def can_be_taken_off(robot: Robot, effect: Effect) -> bool:
@@ -114,6 +119,15 @@ def small_enough(effect: Effect) -> bool:
     return True
 
 
+def larger_one_way(robot: Robot, effect: Effect) -> bool:
+    """Whether a friction that differs by direction is the larger one the same way up to the joint's
+    highest speed: a torque that changes its sign below it is another law of the speed."""
+    if not isinstance(effect, CoulombAsymmetry):
+        return True
+    fastest = effect.delta_Nm + effect.viscous_Nms_rad * robot.qd_max[effect.index]
+    return bool(effect.delta_Nm * fastest >= 0.0)
+
+
 def possible(robot: Robot, effect: Effect) -> bool:
     """Whether an arm may have an effect of these numbers, by what its file says."""
     return (
@@ -123,4 +137,5 @@ def possible(robot: Robot, effect: Effect) -> bool:
         and within_reach(robot, effect)
         and relaxes_within_reach(robot, effect)
         and in_time(robot, effect)
+        and larger_one_way(robot, effect)
     )

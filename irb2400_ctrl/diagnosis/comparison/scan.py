@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from irb2400_ctrl.arrays import Mask
+from irb2400_ctrl.arrays import Mask, rms
 from irb2400_ctrl.diagnosis.comparison.grid import KEPT, promising_places, step_at
 from irb2400_ctrl.diagnosis.comparison.log_columns import LogColumns
 from irb2400_ctrl.diagnosis.estimation.candidate import (
@@ -37,6 +37,8 @@ EITHER = float(np.log(2.0))
 """[nats] for one of two forms that are as probable"""
 KEPT_NON_PARAMETRIC = 4
 """how many non-parametric laws of each joint are judged"""
+ONE_SIDED = 0.2
+"""rms torque on one joint over that on another, below which the other alone feels it"""
 
 
 class Scan(LogColumns):
@@ -63,10 +65,15 @@ class Scan(LogColumns):
             for f in self.families
             if f not in taken
             and (LIBRARY[f[0]].search.device, f[1]) not in devices
-            and LIBRARY[f[0]].search.beside in beside
             and on[list(self.acts_on(*f))].any()
         ]
-        found = [c for kind, joint in families for c in self._library(problem, kind, joint)]
+        known = [c for kind, joint in families for c in self._library(problem, kind, joint)]
+        # a shaft through two axes drags both: what one feels alone is none where no gears are
+        found = [
+            c
+            for c in known
+            if LIBRARY[c.kind].search.beside in beside or self._least_felt(c) > ONE_SIDED
+        ]
         rest = [
             kind
             for kind, effect in LIBRARY.items()
@@ -78,6 +85,11 @@ class Scan(LogColumns):
         ]
         found += [self._vibration(problem, joint) for joint in range(n) if on[joint]]
         return sorted((c for c in found if c.score.gain > 0), key=lambda c: -c.score.gain)
+
+    def _least_felt(self, candidate: Candidate) -> float:
+        """Rms torque of a candidate on that of its joints which feels it least, over the most."""
+        size = rms(candidate.torque(self.motion.n))[list(candidate.law.joints)]
+        return float(size.min() / max(size.max(), 1e-12))
 
     def points(
         self, problem: Problem, joint: int | None, windows: Sequence[tuple[float, float]] = ()

@@ -13,10 +13,10 @@ from irb2400_ctrl.diagnosis.comparison.acceptance import Acceptance
 from irb2400_ctrl.diagnosis.comparison.at_load_changes import AtLoadChanges
 from irb2400_ctrl.diagnosis.comparison.at_reversals import AtReversals
 from irb2400_ctrl.diagnosis.comparison.comparison import Alternative, StepComparison
-from irb2400_ctrl.diagnosis.comparison.criteria import Criteria, Threshold, of_one_moment
+from irb2400_ctrl.diagnosis.comparison.criteria import Criteria, Threshold
 from irb2400_ctrl.diagnosis.comparison.ground import Ground, Name, named
 from irb2400_ctrl.diagnosis.comparison.scan import Scan
-from irb2400_ctrl.diagnosis.comparison.step import Step, of_the_whole_arm, without_its_other
+from irb2400_ctrl.diagnosis.comparison.step import Step, apart, of_the_whole_arm, without_its_other
 from irb2400_ctrl.diagnosis.comparison.wider_numbers import rather_wider
 from irb2400_ctrl.diagnosis.estimation.candidate import Candidate, simple
 from irb2400_ctrl.diagnosis.estimation.fit import Fit, Fitter
@@ -61,7 +61,7 @@ class Selection:
         predicted = fitter.predicted()
         robot = fitter.robot
         stated = [effect_torque(fitter.bases, e, motion) for e in robot.effects]
-        self.threshold = Threshold(self.criteria, motion, [predicted, *stated], robot.usually_left)
+        self.threshold = Threshold(self.criteria, motion, [predicted, *stated], robot)
         left = motion.tau - predicted
         self.turns = AtReversals(motion, left)
         self.load_changes = AtLoadChanges(motion, left, scan.load, fitter.bases.model)
@@ -336,11 +336,7 @@ class Selection:
                 kept[place] = step
                 if named(step.candidate) != named(earlier):
                     changed |= there | step.candidate.acts_on(n)
-        return [
-            s
-            for s in kept
-            if not of_one_moment(s.candidate, [k.candidate for k in kept if k is not s])
-        ]
+        return apart(kept)
 
     def _again(self, earlier: Candidate, ground: Ground) -> Step | None:
         """The step in the place of an explanation: the same, where nothing comes near it."""

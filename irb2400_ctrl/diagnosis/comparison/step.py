@@ -9,6 +9,9 @@ from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.diagnosis.comparison.comparison import Alternative
 from irb2400_ctrl.diagnosis.estimation.candidate import Candidate
 
+ONE_MOMENT = 1.0
+"""[s] what begins nearer in time than this began for one reason"""
+
 
 @dataclass(frozen=True)
 class Step:
@@ -78,3 +81,23 @@ def without_its_other(steps: Sequence[Step]) -> int | None:
         if step.one_of_two and joints.count(step.candidate.joint) == 1:
             return place
     return None
+
+
+def apart(steps: Sequence[Step]) -> list[Step]:
+    """Explanations, but for those `of_one_moment` with another one."""
+    return [
+        s
+        for s in steps
+        if not of_one_moment(s.candidate, [other.candidate for other in steps if other is not s])
+    ]
+
+
+def of_one_moment(candidate: Candidate, others: Sequence[Candidate]) -> bool:
+    """Whether a larger effect begins at the same moment: what else begins then its simple law has
+    left over."""
+    return any(
+        abs(start - moment) < ONE_MOMENT and candidate.score.gain < other.score.gain
+        for other in others
+        for start in candidate.begins
+        for moment in other.begins
+    )
