@@ -23,7 +23,7 @@ class CoulombAsymmetry(Effect):
     backwards, viscous coefficient F_v + eta and F_v - eta; nothing at rest."""
 
     sentence: ClassVar[str] = (
-        "dry friction of the joint is larger in one direction than in the other"
+        "friction of the joint is larger in one direction than in the other"
     )
     example: ClassVar[Mapping[str, Any]] = {"delta_Nm": 1.0}
     ambiguity: ClassVar[Ambiguity] = OFFSET
