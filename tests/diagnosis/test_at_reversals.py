@@ -48,8 +48,9 @@ def turns(left: Any, q: Any = ANGLE, **changed: Any) -> AtReversals:
     return AtReversals(log, left[:, None])
 
 
-def candidate(kind: str, *sizes: float) -> Any:
-    return SimpleNamespace(joint=1, effects=(LIBRARY[kind].from_coefficients(1, sizes, {}),))
+def candidate(kind: str, size: float) -> Any:
+    law = LIBRARY[kind]
+    return SimpleNamespace(joint=1, effects=(law.of(1, **{law.linear[0]: size}),))
 
 
 NOISE = np.random.default_rng(4).normal(scale=1.0, size=len(TIME))
