@@ -22,9 +22,7 @@ class CoulombAsymmetry(Effect):
     """tau_j = delta |sgn(qd_j)| + eta |qd_j|: Coulomb level F_c + delta forwards and F_c - delta
     backwards, viscous coefficient F_v + eta and F_v - eta; nothing at rest."""
 
-    sentence: ClassVar[str] = (
-        "friction of the joint is larger in one direction than in the other"
-    )
+    sentence: ClassVar[str] = "friction of the joint is larger in one direction than in the other"
     example: ClassVar[Mapping[str, Any]] = {"delta_Nm": 1.0}
     ambiguity: ClassVar[Ambiguity] = OFFSET
     prior: ClassVar[Prior] = Prior(leftover=("speed",), absent=("viscous_Nms_rad",))
