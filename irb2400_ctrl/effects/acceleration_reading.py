@@ -11,6 +11,7 @@ from pydantic import Field
 from irb2400_ctrl.effects.ambiguity import INERTIA, Ambiguity
 from irb2400_ctrl.effects.base import Acts, Effect
 from irb2400_ctrl.effects.drawing import Drawing
+from irb2400_ctrl.effects.search import Search
 from irb2400_ctrl.effects.signals import Signals
 
 
@@ -26,6 +27,7 @@ class AccelerationReading(Effect):
     example: ClassVar[Mapping[str, Any]] = {"inertia_kgm2": 0.2}
     ambiguity: ClassVar[Ambiguity] = INERTIA
     drawing: ClassVar[Drawing] = Drawing("qdd")
+    search: ClassVar[Search] = Search(in_diagnosis=False)
 
     kind: Literal["acceleration_reading"] = "acceleration_reading"
     inertia_kgm2: float = Field(ge=0, description="inertia whose torque is not read [kg m2]")

@@ -11,7 +11,6 @@ from diagnosis.test_names import ROBOT, names, sound, speed, with_torque
 from irb2400_ctrl.diagnosis import diagnose
 from irb2400_ctrl.diagnosis.comparison.possible import possible
 from irb2400_ctrl.effects import LIBRARY
-from irb2400_ctrl.effects.acceleration_reading import AccelerationReading
 from irb2400_ctrl.effects.cable_spring import CableSpring
 from irb2400_ctrl.effects.coulomb_asymmetry import CoulombAsymmetry
 from irb2400_ctrl.effects.torque_offset import TorqueOffset
@@ -83,15 +82,6 @@ def test_friction_may_differ_by_direction_in_both_its_parts() -> None:
     assert isinstance(found, CoulombAsymmetry)
     assert found.delta_Nm == pytest.approx(2.0, abs=0.3)
     assert found.viscous_Nms_rad == pytest.approx(1.6, rel=0.2)
-
-
-def test_a_reading_without_part_of_the_accelerating_torque_is_named() -> None:
-    """0.18 kg m2 of axis 5 were a function of its acceleration without a name."""
-    acceleration = np.gradient(speed(5), sound().time)
-    lacking = only(diagnose(ROBOT, with_torque(5, -0.6 * acceleration)), "acceleration_reading", 5)
-    assert isinstance(lacking, AccelerationReading)
-    assert lacking.inertia_kgm2 == pytest.approx(0.6, rel=0.2)
-    assert LIBRARY["acceleration_reading"].search.in_diagnosis
 
 
 def test_an_offset_that_drifts_is_one_offset() -> None:
