@@ -16,7 +16,7 @@ from irb2400_ctrl.effects.prior import Nested, Prior
 from irb2400_ctrl.effects.signals import Signals
 
 DIGITS = 12
-"""of `one_sided`: at its bounds it is one of the roots of rounded numbers"""
+"""that `one_sided` is told to: worked out of other numbers it may be beyond 1 by their rounding"""
 STIFFENING = ("stiffening_Nm_rad3", "one_sided")
 
 
@@ -51,12 +51,12 @@ class CableSpring(Effect):
         Args:
             mass, reach, axis: of the arm, which do not matter.
         """
-        return [Nested(np.eye(4)[:, :k], ()) for k in (2, 4)]
+        return [Nested(np.eye(4)[:, first:], ()) for first in (2, 0)]
 
     def basis(self, s: Signals) -> ca.SX:
         n = s.q.numel()
         q = s.q[self.index]
-        return ca.horzcat(*[self.on(power, n) for power in (q, ca.SX(1.0), q**2, q**3)])
+        return ca.horzcat(*[self.on(power, n) for power in (q**3, q**2, q, ca.SX(1.0))])
 
     def discrepancy_basis(self, s: Signals) -> ca.SX:
         q = s.q[self.index]
@@ -64,15 +64,16 @@ class CableSpring(Effect):
         return ca.horzcat(self.on(q**2, n), self.on(q**3, n))
 
     def coefficients(self) -> tuple[float, ...]:
+        """Of q^3, q^2, q, 1."""
         k = self.stiffness_Nm_rad
         c = self.stiffening_Nm_rad3
         b = self.one_sided * (3 * k * c) ** 0.5
         q = self.neutral_rad
         return (
+            c,
+            b - 3 * c * q,
             k - 2 * b * q + 3 * c * q**2,
             -k * q + b * q**2 - c * q**3,
-            b - 3 * c * q,
-            c,
         )
 
     def sizes(self) -> tuple[float, ...]:
@@ -82,7 +83,7 @@ class CableSpring(Effect):
     def from_coefficients(
         cls, joint: int | None, coefficients: Sequence[float], nonlinear: dict[str, float]
     ) -> Self:
-        first, constant, second, c = coefficients
+        c, second, first, constant = coefficients
         if second == c == 0.0:
             return cls.of(joint, stiffness_Nm_rad=first, neutral_rad=-constant / first)
         q = cls._relaxed(coefficients)
@@ -96,8 +97,7 @@ class CableSpring(Effect):
     def _relaxed(coefficients: Sequence[float]) -> float:
         """The angle without torque [rad], of `coefficients` of a torque that rises everywhere: the
         one real root; ValueError: there is none."""
-        first, constant, second, c = coefficients
-        roots = np.roots([c, second, first, constant])
+        roots = np.roots(coefficients)
         real = roots.real[np.abs(roots.imag) < 1e-9 * (1.0 + np.abs(roots))]
         if len(real) == 0:
             raise ValueError("found a torque that is zero nowhere, expected one that rises")

@@ -42,5 +42,5 @@ class TorqueOffset(Effect):
 
     def _shown(self, time: Array, tau: Array) -> Array:
         shown = np.array(tau)
-        shown[:, self.index] += self.offset_Nm
+        shown[:, self.index] += self.offset_Nm + sum(self.discrepancy) * time
         return shown

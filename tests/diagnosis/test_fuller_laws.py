@@ -56,16 +56,13 @@ def test_the_numbers_of_a_hose_come_back_from_its_polynomial(one_sided: float) -
     k = 8.0
     c = 20.0
     torque = k * u + one_sided * np.sqrt(3 * k * c) * u**2 + c * u**3
-    first, constant, second, third = hose.coefficients()
-    np.testing.assert_allclose(
-        np.polyval([third, second, first, constant], u + 0.7), torque, atol=1e-9
-    )
+    np.testing.assert_allclose(np.polyval(hose.coefficients(), u + 0.7), torque, atol=1e-9)
     assert (np.diff(torque) > 0.0).all()
 
 
 @pytest.mark.parametrize(
     "polynomial",
-    [(1.0, 0.0, 5.0, 1.0), (-1.0, 0.0, 0.0, 1.0), (1.0, 0.0, 0.1, 0.0), (1.0, 0.2, 0.0, -0.3)],
+    [(1.0, 5.0, 1.0, 0.0), (1.0, 0.0, -1.0, 0.0), (0.0, 0.1, 1.0, 0.0), (-0.3, 0.0, 1.0, 0.2)],
     ids=["falls on one side", "falls in the middle", "a parabola", "falls outside"],
 )
 def test_what_falls_somewhere_is_no_hose(polynomial: tuple[float, ...]) -> None:
@@ -94,6 +91,14 @@ def test_an_offset_that_drifts_is_one_offset() -> None:
     assert offset.offset_Nm == pytest.approx(3.0, abs=0.8)
     # of the drift a file says nothing: another log begins elsewhere
     assert offset.discrepancy == ()
+
+
+def test_a_drift_that_a_file_states_is_in_the_readings() -> None:
+    time = np.linspace(0.0, 10.0, 5)
+    true = np.ones((5, 6))
+    read = TorqueOffset.of(4, offset_Nm=3.0, discrepancy=(-0.1,)).reported(time, true)
+    np.testing.assert_allclose(read[:, 3], 4.0 - 0.1 * time)
+    np.testing.assert_array_equal(np.delete(read, 3, axis=1), 1.0)
 
 
 @pytest.mark.parametrize(

@@ -19,12 +19,11 @@ from irb2400_ctrl.effects.base import OPEN_END_S
 from irb2400_ctrl.measurement.prepared_log import PreparedLog
 from irb2400_ctrl.robot import Robot
 
+FRICTION: frozenset[BaseTerm] = frozenset(("coulomb", "viscous"))
+"""terms of the base that wear and temperature change"""
 QUICK = 0.5
 """share of the least torque that is enough of a delay, whose steps where friction turns over are
 quicker than what is compared, and of the flaw of a transmission, whose swing is"""
-
-FRICTION: frozenset[BaseTerm] = frozenset(("coulomb", "viscous"))
-"""terms of the base that wear and temperature change"""
 
 
 @dataclass(frozen=True)
@@ -161,7 +160,8 @@ class Threshold:
         """Joints on which it is large enough, shape (n,)."""
         c = self.criteria
         candidate = alternative.candidate
-        size = self._size(candidate)
+        torque = candidate.torque(self.n)
+        size = rms(torque)
         # by discrepancy from its law alone, which the base takes in: a good size speaks for it
         least = c.torque if alternative.by_its_law(c.by_law) else c.torque_beside_law
         shown = size
@@ -174,7 +174,6 @@ class Threshold:
         if candidate.devices:
             shown = np.maximum(shown, comparison.sampled_rms(candidate))
         large = (size > np.sqrt(c.energy * comparison.energy)) & (size > self.usual)
-        torque = candidate.torque(self.n)
         against = self.rms if self.friction is None else self.friction.counted(torque, self.rms)
         return np.asarray(large & (shown > least * against))
 

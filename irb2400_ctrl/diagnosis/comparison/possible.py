@@ -72,8 +72,7 @@ def relaxes_within_reach(robot: Robot, effect: Effect) -> bool:
     stated = [e for e in robot.effects if isinstance(e, CableSpring) and e.index == j]
     whole = np.sum([e.coefficients() for e in (effect, *stated)], axis=0)
     lowest, highest = (
-        np.polyval(whole[[3, 2, 0, 1]], angle)
-        for angle in (robot.q_min[j] - BEYOND, robot.q_max[j] + BEYOND)
+        np.polyval(whole, angle) for angle in (robot.q_min[j] - BEYOND, robot.q_max[j] + BEYOND)
     )
     return bool(lowest <= 0.0 <= highest)
 
