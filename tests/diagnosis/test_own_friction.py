@@ -8,7 +8,9 @@ from typing import Any
 import numpy as np
 import pytest
 from diagnosis.test_criteria import accepts, candidate, threshold
+from diagnosis.test_names import ROBOT, names, sound, speed, with_torque
 
+from irb2400_ctrl.diagnosis import diagnose
 from irb2400_ctrl.diagnosis.comparison.own_friction import OwnFriction
 
 
@@ -44,3 +46,13 @@ def test_a_friction_is_large_against_the_friction_of_its_joint() -> None:
     # never more than the joint's torque; of a file that does not say it that alone
     assert held([1.0, -1.0, 1.0, -1.0], measured=100.0) == 100.0
     assert held([1.0, -1.0, 1.0, -1.0], friction_known=np.zeros((3, 4))) == 300.0
+
+
+def test_friction_of_an_axis_that_bears_weight_is_named() -> None:
+    """1.6 Nm with the square of the speed, on an axis of 244 Nm of which 17 Nm are friction."""
+    square = speed(3) * np.abs(speed(3))
+    log = with_torque(3, 1.6 * square / np.sqrt(np.mean(square**2)))
+    assert 0.01 * np.sqrt(np.mean(sound().tau[:, 2] ** 2)) > 1.6
+    found = diagnose(ROBOT, log)
+    assert names(found) == [("viscous_power", 3)]
+    assert found.verdict == "explained"

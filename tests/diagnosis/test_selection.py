@@ -12,7 +12,7 @@ from diagnosis.test_selection_steps import RATHER_WIDER
 
 from irb2400_ctrl.diagnosis.comparison.criteria import Criteria
 from irb2400_ctrl.diagnosis.comparison.selection import Selection
-from irb2400_ctrl.diagnosis.comparison.step import Step, of_one_moment
+from irb2400_ctrl.diagnosis.comparison.step import Step, apart, of_one_moment
 from irb2400_ctrl.diagnosis.estimation.fit import Fit, Fitter
 from irb2400_ctrl.diagnosis.estimation.reversals import reversal_rows
 from irb2400_ctrl.measurement.prepared_log import STICKING_SPEED
@@ -51,7 +51,12 @@ def test_explanations_that_push_each_other_out_are_not_tried_for_ever(
 
 def test_of_what_begins_together_only_the_largest_is_a_cause() -> None:
     def begun(gain: float, *times: float) -> Any:
-        return SimpleNamespace(begins=times, score=SimpleNamespace(gain=gain))
+        return SimpleNamespace(
+            begins=times,
+            score=SimpleNamespace(gain=gain),
+            known=True,
+            acts_on=lambda n: np.zeros(n, bool),
+        )
 
     large = begun(900.0, 12.4)
     small = begun(60.0, 12.9)
@@ -59,6 +64,11 @@ def test_of_what_begins_together_only_the_largest_is_a_cause() -> None:
     assert not of_one_moment(large, [small])
     assert not of_one_moment(begun(60.0, 14.0), [large])
     assert not of_one_moment(begun(60.0), [large])  # acts always
+    steps: Any = [SimpleNamespace(candidate=one) for one in (small, large, begun(60.0, 14.0))]
+    assert apart(steps) == steps[1:]
+    selection: Any = Selection.__new__(Selection)
+    selection.scan = SimpleNamespace(motion=SimpleNamespace(n=6))
+    assert selection._exchanged(steps) == steps[1:]
 
 
 def test_numbers_further_off_than_stated_are_a_rival_and_all_is_judged_anew(
