@@ -14,7 +14,14 @@ from typing import Any
 import numpy as np
 
 from benchmarks.naming.givers import Said, diagnosis
-from irb2400_ctrl.diagnosis.comparison import acceptance, criteria, ground, possible, selection
+from irb2400_ctrl.diagnosis.comparison import (
+    acceptance,
+    criteria,
+    ground,
+    possible,
+    selection,
+    step,
+)
 from irb2400_ctrl.diagnosis.comparison.at_load_changes import AtLoadChanges
 from irb2400_ctrl.diagnosis.comparison.at_reversals import AtReversals
 from irb2400_ctrl.diagnosis.comparison.comparison import StepComparison
@@ -41,7 +48,7 @@ RULES: dict[str, tuple[Put, ...]] = {
     "once_more": ((criteria, "_once_more", lambda *_: False),),
     "one_moment": (
         (criteria, "of_one_moment", lambda *_: False),
-        (selection, "of_one_moment", lambda *_: False),
+        (step, "of_one_moment", lambda *_: False),
     ),
     "leftover": ((StepComparison, "leftover", lambda *_: None),),
     "usual": ((acceptance, "usual", lambda *_: True),),
