@@ -16,7 +16,12 @@ from irb2400_ctrl.extras import needed
 from irb2400_ctrl.measurement.columns.column_map import load_column_map
 from irb2400_ctrl.measurement.log import Log
 from irb2400_ctrl.measurement.read_log import log_of
-from irb2400_ctrl.measurement.ros_table import JOINT_STATE, joint_state, joint_state_table
+from irb2400_ctrl.measurement.ros_table import (
+    JOINT_STATE,
+    joint_state,
+    joint_state_table,
+    unreadable_mcap,
+)
 
 MAGIC = b"\x89MCAP0\r\n"
 DATA_END = 0x0F
@@ -88,7 +93,7 @@ class GrowingBag:
             # of what is there
             return found
         except (McapError, struct.error) as error:
-            raise InputError(f"{self.path} is not a readable MCAP file: {error}") from error
+            raise InputError(unreadable_mcap(self.path, error)) from error
         return found
 
     def _whole_records(self) -> bytes:

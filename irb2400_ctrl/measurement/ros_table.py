@@ -124,6 +124,15 @@ def joint_state(data: bytes) -> Message:
     return seconds, names, (numbers(), numbers(), numbers())
 
 
+def unreadable_mcap(path: Path, error: Exception) -> str:
+    """What is said of an MCAP file that a recorder did not close, or of no MCAP file."""
+    found = str(error) or "it ends within a record"
+    return (
+        f"{path} is not a readable MCAP file ({found}): expected one that its recorder has closed; "
+        "make one that was cut off whole (mcap recover)"
+    )
+
+
 def _sqlite(path: Path) -> Iterator[bytes]:
     try:
         with closing(sqlite3.connect(f"{path.absolute().as_uri()}?mode=ro", uri=True)) as bag:
@@ -150,5 +159,5 @@ def _mcap(path: Path) -> Iterator[bytes]:
                 if schema is not None and schema.name == JOINT_STATE
             ]
     except (McapError, OSError, struct.error) as error:
-        raise InputError(f"{path} is not a readable MCAP file: {error}") from error
+        raise InputError(unreadable_mcap(path, error)) from error
     return iter(found)

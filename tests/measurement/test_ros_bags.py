@@ -84,6 +84,10 @@ def test_ros_bag_in_mcap(tmp_path: Path) -> None:
             writer.add_message(channel, log_time=k, publish_time=k, data=data)
         writer.finish()
     same(read_log(path), log)
+    whole = path.read_bytes()
+    path.write_bytes(whole[: len(whole) // 2])
+    with pytest.raises(InputError, match=r"MCAP file \(.+\): expected .*mcap recover"):
+        read_log(path)
     path.write_bytes(b"no mcap")
     with pytest.raises(InputError, match="not a readable MCAP"):
         read_log(path)
