@@ -37,6 +37,9 @@ EITHER = float(np.log(2.0))
 """[nats] for one of two forms that are as probable"""
 KEPT_NON_PARAMETRIC = 4
 """how many non-parametric laws of each joint are judged"""
+OF_ONE_MOTOR = 0.5
+"""of the sum of a coupling's torques, number by number without their signs, that their sum has at
+least"""
 ONE_SIDED = 0.2
 """rms torque on one joint over that on another, below which the other alone feels it"""
 
@@ -69,11 +72,7 @@ class Scan(LogColumns):
         ]
         known = [c for kind, joint in families for c in self._library(problem, kind, joint)]
         # a shaft through two axes drags both: what one feels alone is none where no gears are
-        found = [
-            c
-            for c in known
-            if LIBRARY[c.kind].search.beside in beside or self._least_felt(c) > ONE_SIDED
-        ]
+        found = [c for c in known if LIBRARY[c.kind].search.beside in beside or self._drags_both(c)]
         rest = [
             kind
             for kind, effect in LIBRARY.items()
@@ -86,10 +85,14 @@ class Scan(LogColumns):
         found += [self._vibration(problem, joint) for joint in range(n) if on[joint]]
         return sorted((c for c in found if c.score.gain > 0), key=lambda c: -c.score.gain)
 
-    def _least_felt(self, candidate: Candidate) -> float:
-        """Rms torque of a candidate on that of its joints which feels it least, over the most."""
+    def _drags_both(self, candidate: Candidate) -> bool:
+        """Whether both axes of a coupling feel it, and all its numbers are of one motor: it turns
+        c times as fast by the other axis, and c stands in each of them."""
         size = rms(candidate.torque(self.motion.n))[list(candidate.law.joints)]
-        return float(size.min() / max(size.max(), 1e-12))
+        columns = np.sqrt(np.mean(candidate.law.values**2, axis=(0, 1)))
+        worth = columns * candidate.score.coefficients
+        of_one = abs(np.sum(worth)) > OF_ONE_MOTOR * np.sum(np.abs(worth))
+        return bool(of_one and size.min() > ONE_SIDED * size.max())
 
     def points(
         self, problem: Problem, joint: int | None, windows: Sequence[tuple[float, float]] = ()
