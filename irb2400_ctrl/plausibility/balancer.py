@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from irb2400_ctrl.arrays import Array
-from irb2400_ctrl.plausibility.criteria import FITS_PRICE, MARGIN, SOUND_LEFT
+from irb2400_ctrl.plausibility.criteria import explained_beside
 from irb2400_ctrl.plausibility.evidence import Fit, Nominal
 from irb2400_ctrl.plausibility.rows import Rows
 
@@ -32,9 +32,7 @@ def beside_a_balancer(nominal: Nominal, rows: Rows, best: Fit) -> tuple[Fit, str
         return None
     joint = min(fits, key=lambda j: fits[j].cost)
     found = fits[joint]
-    scale = n / 6.0
-    explained = found.price < FITS_PRICE * scale and found.left.max() < SOUND_LEFT
-    if not explained or best.cost - found.cost < MARGIN * scale:
+    if not explained_beside(found, best):
         return None
     says = (
         f"the model explains the torques beside a balancer on joint {joint}, which the robot file "

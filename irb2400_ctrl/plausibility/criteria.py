@@ -89,6 +89,14 @@ def clearly_better(
     return gain > max(MARGIN, SHARE * other.cost) and bool(hidden or less or other.price > BEYOND)
 
 
+def explained_beside(found: Fit, best: Fit) -> bool:
+    """Whether a log as labelled is explained beside something that the file does not state, and
+    clearly better than by the best other reading."""
+    scale = len(found.left) / 6.0
+    explained = found.price < FITS_PRICE * scale and bool(found.left.max() < SOUND_LEFT)
+    return explained and best.cost - found.cost >= MARGIN * scale
+
+
 def for_one_joint(one: Fit, other: Fit) -> bool:
     """Whether a reading explains a single joint at the cost of all others: what that joint has is
     its own, for no column that is read rightly makes the others' torques harder to explain.

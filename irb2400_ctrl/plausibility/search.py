@@ -12,6 +12,7 @@ from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.measurement.log import Log
 from irb2400_ctrl.plausibility.balancer import beside_a_balancer
 from irb2400_ctrl.plausibility.columns.jumps import MOVES
+from irb2400_ctrl.plausibility.coupled_wrist import beside_a_coupled_wrist
 from irb2400_ctrl.plausibility.criteria import (
     FITS_PRICE,
     MARGIN,
@@ -131,8 +132,9 @@ def _beside_what_differs(nominal: Nominal, log: Log, rows: Rows) -> Understandin
             joints = " and ".join(f"joint {j + 1}" for j in nominal.balanced)
             said = OTHER_STRENGTH.format(joints=joints)
             return replace(_understood(freed, log, rows), although=said)
-    if found.problem and not nominal.balanced:
-        beside = beside_a_balancer(nominal, rows, found.best)
+    if found.problem:
+        spring = None if nominal.balanced else beside_a_balancer(nominal, rows, found.best)
+        beside = spring or beside_a_coupled_wrist(nominal, rows, found.best)
         if beside is not None:
             fit, said = beside
             return Understanding(fit, fit, as_labelled(robot.n), None, although=said)
