@@ -7,12 +7,15 @@ import numpy as np
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.plausibility.criteria import explained_beside
 from irb2400_ctrl.plausibility.evidence import Fit, Nominal
+from irb2400_ctrl.plausibility.reading import ORDERS, motion_readings, torque_readings
 from irb2400_ctrl.plausibility.rows import CREEP, Rows
 
 FIRST = 4
 """joint (from 1) that a wrist begins with"""
 FURTHEST = 2
 """axes further, to which a shaft through a wrist goes"""
+MIXED_UP = (*ORDERS, "torque_sign", "angle_sign")
+"""readings that such gears explain as well: what one axis does shows in the torque of another"""
 SHARE = 0.3
 """standard deviation of what another axis gives a joint, of the joint's torque"""
 
@@ -25,21 +28,31 @@ def beside_a_coupled_wrist(nominal: Nominal, rows: Rows, best: Fit) -> tuple[Fit
         nominal: the robot as a yardstick; rows: of the log as labelled.
         best: what other readings come to.
     """
-    n = nominal.robot.n
-    axes = range(FIRST - 1, n)
-    pairs = [(j, k) for j in axes for k in axes if 0 < abs(j - k) <= FURTHEST]
-    if not pairs:
+    found = _fit(nominal, rows)
+    if found is None or not explained_beside(found, best):
         return None
-    torques = np.concatenate([_of_the_other(rows, *pair) for pair in pairs], axis=2)
-    found = nominal.account(rows, nominal.columns(rows), torques).fit
-    if not explained_beside(found, best):
-        return None
+    robot = nominal.robot
+    for reading in (*torque_readings(robot), *motion_readings(robot)):
+        if reading.kind in MIXED_UP and min(reading.joints, default=0) >= FIRST:
+            rival = _fit(nominal, rows.read_as(reading))
+            if rival is not None and rival.cost < found.cost:
+                return None
     says = (
         "the model explains the torques beside gears of the wrist, whose axes turn each other's "
         "motors, which the robot file does not have; `irb2400 identify` and `irb2400 diagnose` "
         "look for them"
     )
     return found, says
+
+
+def _fit(nominal: Nominal, rows: Rows) -> Fit | None:
+    """How rows are explained beside such gears; None of an arm without a wrist."""
+    axes = range(FIRST - 1, nominal.robot.n)
+    pairs = [(j, k) for j in axes for k in axes if 0 < abs(j - k) <= FURTHEST]
+    if not pairs:
+        return None
+    torques = np.concatenate([_of_the_other(rows, *pair) for pair in pairs], axis=2)
+    return nominal.account(rows, nominal.columns(rows), torques).fit
 
 
 def _of_the_other(rows: Rows, j: int, k: int) -> Array:
