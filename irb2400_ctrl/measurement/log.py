@@ -105,7 +105,7 @@ class Log:
         back = np.flatnonzero(steps <= 0)
         k = int(back[0])
         whole = np.floor(self.time)
-        if self._begins_again(back):
+        if self._begins_again(back) and (steps[back] < 0).all():
             lengths = np.diff(back)
             if len(back) > 2 and np.ptp(lengths) <= 1:
                 every = float(np.median(steps) - np.median(steps[back]))

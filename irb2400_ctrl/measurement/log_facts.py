@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from irb2400_ctrl.arrays import Array, rms
+from irb2400_ctrl.measurement.grouped_stamps import grouped
 from irb2400_ctrl.measurement.log import Log
 from irb2400_ctrl.measurement.time_base import TimeBase, time_base
 
@@ -81,7 +82,9 @@ class LogFacts:
 def log_facts(log: Log) -> LogFacts:
     """Measure a log."""
     base = time_base(log)
-    steps = np.diff(log.time)
+    # the stamps of samples that came in groups say nothing of the rate
+    in_groups = base.rebuilt and grouped(log.time)
+    steps = np.diff(base.time if in_groups else log.time)
     wide = steps > GAP * np.median(steps)
     names = ["time", "q", "tau"]
     names += [name for name in ("qd", "q_ref") if getattr(log, name) is not None]

@@ -31,11 +31,13 @@ from irb2400_ctrl.measurement.cells import (
 from irb2400_ctrl.measurement.columns.column_map import ColumnMap, load_column_map
 from irb2400_ctrl.measurement.columns.understood import clock_of, understood
 from irb2400_ctrl.measurement.csv_table import read_csv_table
+from irb2400_ctrl.measurement.grouped_stamps import stamps_apart
 from irb2400_ctrl.measurement.log import Log
 from irb2400_ctrl.measurement.other_files import refuse_other_files
 from irb2400_ctrl.measurement.ros_table import read_ros_table
 from irb2400_ctrl.measurement.stretch import Cut, Stretch
 from irb2400_ctrl.measurement.table import Table
+from irb2400_ctrl.measurement.time_base import counted
 from irb2400_ctrl.reading import lvm_blocks, refuse_stand_in, sheet_blocks, text_blocks
 from irb2400_ctrl.typed import typed
 
@@ -137,6 +139,11 @@ def log_of(
     found = {signal: places for signal, places in found.items() if places}
     signals = {signal: _stacked(table, places, scales, n) for signal, places in found.items()}
     stamps = _frozen(table.columns.pop(time[0]) * time[1])
+    apart = stamps_apart(stamps)
+    if apart is not stamps:
+        # one stamp of several samples is that of a group, if the angles say so
+        tried = Log(apart, signals["q"], signals["tau"], name=str(table.path))
+        stamps = stamps if counted(tried) is None else _frozen(apart)
     extra = dict(table.columns)
     return Log(
         stamps, signals.pop("q"), signals.pop("tau"), extra=extra, name=str(table.path), **signals

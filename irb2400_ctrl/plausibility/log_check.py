@@ -12,7 +12,7 @@ from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.measurement.log import Log
 from irb2400_ctrl.measurement.log_facts import LogFacts, log_facts
 from irb2400_ctrl.measurement.prepared_log import prepare
-from irb2400_ctrl.measurement.time_base import with_time_base
+from irb2400_ctrl.measurement.time_base import ungrouped, with_time_base
 from irb2400_ctrl.model.plausibility import unknown_bodies
 from irb2400_ctrl.plausibility.columns.agreement import (
     command_problem,
@@ -135,6 +135,7 @@ def examined(robot: Robot | None, log: Log) -> Examined:
     """The problem as of `log_problem`, and what else a log shows."""
     if robot is not None and robot.n != log.n:
         raise InputError(f"{log.name}: found {log.n} joints, expected {robot.n} as in {robot.name}")
+    log = ungrouped(log)
     broken = channel_problem(log)
     if broken is None and robot is not None:
         broken = silent_problem(robot, log)

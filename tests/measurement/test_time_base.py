@@ -7,8 +7,9 @@ import pytest
 from mujoco_plant.suites import suite
 
 from irb2400_ctrl.measurement import Log
+from irb2400_ctrl.measurement.even_instants import missed_by
 from irb2400_ctrl.measurement.log_facts import log_facts
-from irb2400_ctrl.measurement.time_base import _missed, _slope, time_base, with_time_base
+from irb2400_ctrl.measurement.time_base import _slope, time_base, with_time_base
 
 DIGIT = 5e-6
 
@@ -144,7 +145,7 @@ def test_stamps_that_scatter_over_more_than_a_period_do_not_shorten_it() -> None
     assert base.rebuilt
     assert base.period == pytest.approx(4e-3, rel=2e-5)
     # nor are losses a few samples off, which would be jumps of the angles by milliradians
-    rough = np.abs(_missed(read.q, base.time))
+    rough = np.abs(missed_by(read.q, base.time))
     assert (rough < 20.0 * np.median(rough, axis=0)).all()
 
 

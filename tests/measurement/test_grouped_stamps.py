@@ -1,0 +1,101 @@
+"""A host that gets several samples at once stamps them as they come, not as they were taken."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.measurement import Log, read_log
+from irb2400_ctrl.measurement.grouped_stamps import grouped, stamps_apart
+from irb2400_ctrl.measurement.log_facts import log_facts
+from irb2400_ctrl.measurement.time_base import time_base, ungrouped
+
+STEP = 0.008
+
+
+def waves(m: int = 3000) -> tuple[np.ndarray, np.ndarray]:
+    """Even instants and the angles at them, whole steps of 1e-5 rad."""
+    time = STEP * np.arange(m)
+    phase = np.arange(6) + time[:, None] * np.linspace(0.8, 3.0, 6)
+    return time, np.round(np.sin(phase), 5)
+
+
+def arrivals(time: np.ndarray, apart: float, seed: int = 3) -> np.ndarray:
+    """When a host gets them: groups of one to eight, of which each is read `apart` after the one
+    before."""
+    rng = np.random.default_rng(seed)
+    stamps = np.empty(len(time))
+    first = 0
+    while first < len(time):
+        last = min(first + int(rng.integers(1, 9)), len(time))
+        stamps[first:last] = time[last - 1] + 0.001 + apart * np.arange(last - first)
+        first = last
+    return 1.7e9 + stamps
+
+
+def csv(path: Path, stamps: np.ndarray, q: np.ndarray, digits: int) -> Path:
+    names = ["time_s", *(f"q{j}_rad" for j in range(1, 7)), *(f"tau{j}_Nm" for j in range(1, 7))]
+    rows = [
+        ",".join([f"{t:.{digits}f}", *(f"{v:.5f}" for v in a), *(f"{10 * v:.3f}" for v in a)])
+        for t, a in zip(stamps, q, strict=True)
+    ]
+    path.write_text("\n".join([",".join(names), *rows]))
+    return path
+
+
+def test_samples_that_came_in_groups_are_counted() -> None:
+    """Of a recording of an arm over a network 99 % of the samples seemed lost, at 11 kHz."""
+    time, q = waves()
+    log = Log(arrivals(time, 2e-5), q, 10.0 * q)
+    assert grouped(log.time)
+    base = time_base(log)
+    assert base.rebuilt
+    assert base.period == pytest.approx(STEP, rel=1e-3)
+    np.testing.assert_allclose(np.diff(base.time), STEP, rtol=1e-3)
+    facts = log_facts(log)
+    assert facts.rate == pytest.approx(1.0 / STEP, rel=1e-3)
+    assert facts.gaps == 0
+    np.testing.assert_array_equal(ungrouped(log).time, base.time)
+
+
+def test_samples_of_one_stamp_are_told_apart(tmp_path: Path) -> None:
+    time, q = waves()
+    found = read_log(csv(tmp_path / "a.csv", arrivals(time, 1e-6), q, 3))
+    np.testing.assert_allclose(np.diff(ungrouped(found).time), STEP, rtol=1e-3)
+
+
+def test_rows_of_one_stamp_that_are_no_samples_of_a_motion_are_refused(tmp_path: Path) -> None:
+    """Each row is there twice, the second time with other angles."""
+    time, q = waves()
+    twice = np.repeat(q, 2, axis=0)
+    twice[1::2] += np.random.default_rng(5).normal(scale=0.1, size=q.shape)
+    with pytest.raises(InputError, match="time does not rise"):
+        read_log(csv(tmp_path / "a.csv", np.repeat(time, 2), twice, 3))
+
+
+def test_what_was_lost_between_groups_stays_lost() -> None:
+    """Forty samples of one second are missing: the angles go on behind them."""
+    time, q = waves()
+    kept = (time < 10.0) | (time > 10.32)
+    log = Log(arrivals(time[kept], 2e-5), q[kept], q[kept])
+    steps = np.diff(ungrouped(log).time)
+    assert steps.max() == pytest.approx(0.32, abs=0.05)
+    assert np.mean(np.abs(steps / STEP - 1.0) < 0.01) > 0.99
+
+
+def test_a_long_pause_is_no_group() -> None:
+    time, q = waves()
+    kept = (time < 5.0) | (time > 17.0)
+    log = Log(time[kept], q[kept], q[kept])
+    assert ungrouped(log) is log or (ungrouped(log).time == log.time).all()
+
+
+def test_stamps_that_rise_or_go_back_stay() -> None:
+    time, _ = waves(100)
+    assert stamps_apart(time) is time
+    back = time.copy()
+    back[50:] -= 0.2
+    assert stamps_apart(back) is back
