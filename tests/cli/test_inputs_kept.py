@@ -80,4 +80,4 @@ def test_a_robot_file_is_no_urdf(tmp_path: Path) -> None:
     irb.save_robot(irb.load_robot("irb2400"), own)
     says = refused("robot", "import", own, "--out", tmp_path / "a.toml")
     assert "is not XML" in says
-    assert "expected a URDF or an MJCF" in says
+    assert "expected a URDF, an MJCF, or a DH table" in says

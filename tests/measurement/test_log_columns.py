@@ -67,6 +67,37 @@ def test_a_map_without_a_time_takes_seconds() -> None:
         _by_map(table_of(time_s=[0.0]), given)
 
 
+def ordered(**more: object) -> ColumnMap:
+    """Of three currents whose first is joint 3's."""
+    currents = {"file": "i{j0}", "quantity": "tau", "unit": "A", "joint": [3, 1, 2]}
+    return ColumnMap.model_validate({"columns": [currents | {"Nm_per_A": [1.0, 2.0, 4.0]} | more]})
+
+
+def test_columns_of_another_order_are_of_the_joints_that_the_map_lists() -> None:
+    table = table_of(time_s=[0.0], i0=[1.0], i1=[1.0], i2=[1.0])
+    _, found, scales = _by_map(table, ordered())
+    assert found["tau"] == {3: "i0", 1: "i1", 2: "i2"}
+    # the other lists are those of the joints
+    assert scales == {"i0": 4.0, "i1": 1.0, "i2": 2.0}
+    with pytest.raises(InputError, match=r"joint of 'i\{j0\}' holds 3 numbers, .* column 'i3'"):
+        _by_map(table_of(time_s=[0.0], i0=[1.0], i1=[1.0], i2=[1.0], i3=[1.0]), ordered())
+
+
+@pytest.mark.parametrize(
+    ("more", "says"),
+    [
+        ({"joint": [3, 1, 1]}, r"joint = \[3, 1, 1\], expected 1 to n, each once"),
+        ({"joint": [1, 2, 4]}, r"joint = \[1, 2, 4\], expected 1 to n, each once"),
+        ({"file": "i"}, "a list of joints needs"),
+        ({"joint": 2}, "expected one of them"),
+        ({"file": "i", "joint": 2}, "a list of numbers needs"),
+    ],
+)
+def test_lists_of_a_map_that_cannot_be_are_refused(more: dict[str, object], says: str) -> None:
+    with pytest.raises(ValueError, match=says):
+        ordered(**more)
+
+
 @pytest.mark.parametrize(
     ("quantity", "unit", "si"),
     [

@@ -30,7 +30,7 @@ import re
 from collections.abc import Collection
 from itertools import count
 from pathlib import Path
-from typing import Annotated, Literal, Self
+from typing import Annotated, Any, Literal, Self
 
 import numpy as np
 from pydantic import Field, ValidationError, model_validator
@@ -96,8 +96,9 @@ class Column(Table):
 
     Args:
         file: its name there; quantity: q, qd, tau or q_ref; joint: from 1, left out where the name
-            holds `{j}`, `{j0}`, `{j+1}`, `{2j}`…; joints: how many it stands for, default as many
-            as the file has columns of that name.
+            holds `{j}`, `{j0}`, `{j+1}`, `{2j}`…, or a list there, if their order is not the
+            robot's: the joint of the first, the second…
+        joints: how many it stands for, default as many as the file has columns of that name.
         unit: of `UNITS`.
         gear_ratio: of a column on the motor's side (motor turns per joint turn, signed).
         Nm_per_A: of a current at the motor; full_scale_Nm: of a torque in per cent.
@@ -108,7 +109,7 @@ class Column(Table):
 
     file: str
     quantity: Literal["q", "qd", "tau", "q_ref"]
-    joint: int = Field(default=0, ge=1)
+    joint: Annotated[int, Field(ge=1)] | tuple[Annotated[int, Field(ge=1)], ...] = 0
     joints: int | None = Field(default=None, ge=1, le=99)
     unit: str
     gear_ratio: Numbers = 1.0
@@ -135,13 +136,28 @@ class Column(Table):
             raise ValueError("a torque in per cent needs full_scale_Nm")
         if 0.0 in _each(self.gear_ratio) + _each(self.factor):
             raise ValueError("gear_ratio and factor must not be zero")
-        if self.joint and self.every_joint:
-            raise ValueError(f"joint = {self.joint} and {{j}} in file: expected one of them")
-        if not self.joint and not self.every_joint:
-            raise ValueError("which joint? expected joint = 1…, or {j} or {j0} in file")
-        if self.joint and any(isinstance(getattr(self, name), tuple) for name in PER_JOINT):
-            raise ValueError("a list of numbers needs {j} or {j0} in file")
+        self._of_which_joints()
         return self
+
+    def _of_which_joints(self) -> None:
+        listed = [name for name in PER_JOINT if isinstance(getattr(self, name), tuple)]
+        if self.every_joint:
+            if self.joint and not self.order:
+                raise ValueError(f"joint = {self.joint} and {{j}} in file: expected one of them")
+            if sorted(self.order) != list(range(1, len(self.order) + 1)):
+                raise ValueError(f"joint = {list(self.order)}, expected 1 to n, each once")
+            return
+        if self.order:
+            raise ValueError("a list of joints needs {j} or {j0} in file")
+        if not self.joint:
+            raise ValueError("which joint? expected joint = 1…, or {j} or {j0} in file")
+        if listed:
+            raise ValueError("a list of numbers needs {j} or {j0} in file")
+
+    @property
+    def order(self) -> tuple[int, ...]:
+        """Joints (from 1) of the columns that the entry stands for; empty: in their own order."""
+        return self.joint if isinstance(self.joint, tuple) else ()
 
     @property
     def every_joint(self) -> bool:
@@ -163,17 +179,22 @@ class Column(Table):
         Raises:
             InputError: a list that is too short.
         """
-        change: dict[str, object] = {"file": self.name_of(joint), "joint": joint}
+        on = self._taken("joint", joint, joint) if self.order else joint
+        change: dict[str, object] = {"file": self.name_of(joint), "joint": on}
         for name in PER_JOINT:
-            values = getattr(self, name)
-            if isinstance(values, tuple):
-                if len(values) < joint:
-                    raise InputError(
-                        f"column map: {name} of {self.file!r} holds {len(values)} numbers, the log "
-                        f"has a column {self.name_of(joint)!r}"
-                    )
-                change[name] = values[joint - 1]
+            if isinstance(getattr(self, name), tuple):
+                change[name] = self._taken(name, on, joint)
         return self.model_copy(update=change)
+
+    def _taken(self, name: str, place: int, column: int) -> Any:
+        """One of a list of numbers, counted from 1, for one of the columns."""
+        values = getattr(self, name)
+        if len(values) < place:
+            raise InputError(
+                f"column map: {name} of {self.file!r} holds {len(values)} numbers, the log has a "
+                f"column {self.name_of(column)!r}"
+            )
+        return values[place - 1]
 
     @property
     def scale(self) -> float:

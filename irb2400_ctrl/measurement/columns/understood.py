@@ -220,6 +220,7 @@ def _by_map(table: Table, given: ColumnMap) -> tuple[tuple[str, float], Found, d
     found: Found = {signal: {} for signal in _SCALES}
     scales = {}
     for column in given.of(table.columns):
+        assert isinstance(column.joint, int)
         if column.joint in found[column.quantity]:
             _contradict(table, found[column.quantity][column.joint], column.file)
         found[column.quantity][column.joint] = column.file

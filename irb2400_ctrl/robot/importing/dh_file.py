@@ -34,12 +34,14 @@ _UNITS = {
     "_Nm": 1.0,
     "_Nms_rad": 1.0,
 }
+_CENTRE = ("com_x", "com_y", "com_z")
+_MOMENTS = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
 _ANGLES = ("_rad", "_deg")
 _LENGTHS = ("_m", "_mm")
 _COLUMNS = {
     **dict.fromkeys(("alpha", "theta_offset", "low", "high"), _ANGLES),
-    **dict.fromkeys(("a", "d", "com_x", "com_y", "com_z"), _LENGTHS),
-    **dict.fromkeys(("ixx", "iyy", "izz", "ixy", "ixz", "iyz"), ("_kgm2",)),
+    **dict.fromkeys(("a", "d", *_CENTRE), _LENGTHS),
+    **dict.fromkeys(_MOMENTS, ("_kgm2",)),
     **{"mass": ("_kg",), "torque": ("_Nm",), "coulomb": ("_Nm",), "viscous": ("_Nms_rad",)},
     **{"speed": ("_rad_s", "_deg_s"), "name": ("",)},
 }
@@ -96,6 +98,9 @@ def read_dh(path: Path, convention: str | None) -> Tree:
     rows = _rows(path, table, separator)
     links: dict[str, Mass | None] = {"base": None}
     joints = []
+    weighs = any(
+        row.get(name) is not None for row in rows for name in ("mass", *_CENTRE, *_MOMENTS)
+    )
     parent = "base"
     before = np.eye(4)
     for k, row in enumerate(rows, 1):
@@ -112,7 +117,7 @@ def read_dh(path: Path, convention: str | None) -> Tree:
         at, after = (before, step) if convention == "standard" else (before @ step, np.eye(4))
         X = at @ _turn(2, offset)
         joints.append(_joint(row, f"axis_{k}", "fixed" if fixed else "revolute", parent, name, X))
-        links[name] = None if fixed else _mass(row).seen_from(after)
+        links[name] = None if fixed or not weighs else _mass(row).seen_from(after)
         if fixed and convention == "standard":
             raise InputError(f"{row.where}: a standard table needs no flange row")
         parent = name
@@ -227,8 +232,8 @@ def _angle(row: _Row, name: str, angle: float) -> float:
 def _mass(row: _Row) -> Mass:
     if row.get("mass") is None:
         raise InputError(
-            f"{row.where}: found no mass_kg; a DH table alone has no dynamics: add mass_kg, "
-            "com_x_mm, com_y_mm, com_z_mm, ixx_kgm2, iyy_kgm2, izz_kgm2 (ixy, ixz, iyz optional)"
+            f"{row.where}: found no mass_kg beside other mass data; expected with it com_x_mm, "
+            "com_y_mm, com_z_mm, ixx_kgm2, iyy_kgm2, izz_kgm2 (ixy, ixz, iyz optional)"
         )
     com = np.array([row.need(f"com_{axis}", "mm") for axis in "xyz"])
     xx, yy, zz = (row.need(f"i{axis}{axis}", "kgm2") for axis in "xyz")

@@ -56,7 +56,7 @@ def read_tree(path: Path, convention: str | None = None) -> Tree:
         raise InputError(f"{path}: found {found}, expected a URDF, an MJCF, or a DH table (CSV)")
     if path.suffix.lower() == ".csv":
         return read_dh(path, convention)
-    root = xml_root(path, "a URDF or an MJCF")
+    root = xml_root(path, "a URDF, an MJCF, or a DH table with the suffix .csv (docs/robots.md)")
     if root.tag == "robot":
         return read_urdf(path, root)
     if root.tag == "mujoco":
