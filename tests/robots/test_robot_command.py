@@ -208,8 +208,8 @@ def test_a_dh_table_without_convention_or_mass_is_refused(tmp_path: Path) -> Non
     path.write_text(DH.replace("# convention: {convention}\n", ""))
     with pytest.raises(InputError, match="convention"):
         import_robot(path)
-    path.write_text("alpha_deg,a_mm,d_mm\n90,0,100\n")
-    with pytest.raises(InputError, match="no dynamics"):
+    path.write_text("alpha_deg,a_mm,d_mm,com_x_mm\n90,0,100,5\n")
+    with pytest.raises(InputError, match="found no mass_kg beside"):
         import_robot(path, convention="standard")
 
 

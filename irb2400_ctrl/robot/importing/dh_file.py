@@ -36,6 +36,7 @@ _UNITS = {
 }
 _CENTRE = ("com_x", "com_y", "com_z")
 _MOMENTS = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
+_MASS_DATA = ("mass", *_CENTRE, *_MOMENTS)
 _ANGLES = ("_rad", "_deg")
 _LENGTHS = ("_m", "_mm")
 _COLUMNS = {
@@ -98,9 +99,7 @@ def read_dh(path: Path, convention: str | None) -> Tree:
     rows = _rows(path, table, separator)
     links: dict[str, Mass | None] = {"base": None}
     joints = []
-    weighs = any(
-        row.get(name) is not None for row in rows for name in ("mass", *_CENTRE, *_MOMENTS)
-    )
+    weighs = any(row.get(name) is not None for row in rows for name in _MASS_DATA)
     parent = "base"
     before = np.eye(4)
     for k, row in enumerate(rows, 1):
