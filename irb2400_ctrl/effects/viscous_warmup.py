@@ -19,8 +19,8 @@ from irb2400_ctrl.effects.signals import Signals
 
 
 class ViscousWarmup(Effect):
-    """tau_j = (D exp(-t / T) + D') qd_j: extra viscous friction of a cold gear, gone after a few T;
-    D' <= 0 where the file's friction is that of a gear that was not warm yet."""
+    """tau_j = (D exp(-t / T) - D') qd_j: extra viscous friction of a cold gear, gone after a few T;
+    D' where the file's friction is that of a gear that was not warm yet."""
 
     sentence: ClassVar[str] = "the joint runs stiffer while its grease is cold"
     example: ClassVar[Mapping[str, Any]] = {"viscous_Nms_rad": 1.0, "time_constant_s": 20.0}
@@ -28,7 +28,7 @@ class ViscousWarmup(Effect):
     prior: ClassVar[Prior] = Prior(
         time_constants=("time_constant_s",),
         leftover=("speed", "friction over time"),
-        absent=("settled_Nms_rad",),
+        absent=("below_Nms_rad",),
     )
     drawing: ClassVar[Drawing] = Drawing("time")
 
@@ -36,8 +36,8 @@ class ViscousWarmup(Effect):
     viscous_Nms_rad: float = Field(
         ge=0, description="extra viscous coefficient at t = 0 [Nm s/rad]"
     )
-    settled_Nms_rad: float = Field(
-        default=0.0, le=0, description="change of the coefficient that stays D' [Nm s/rad]"
+    below_Nms_rad: float = Field(
+        default=0.0, ge=0, description="warm coefficient below the file's D' [Nm s/rad]"
     )
     time_constant_s: float = Field(gt=0, le=2000, description="warm-up time constant T [s]")
 
@@ -53,7 +53,7 @@ class ViscousWarmup(Effect):
     def basis(self, s: Signals) -> ca.SX:
         speed = s.qd[self.index]
         cold = ca.exp(-s.time / self.time_constant_s) * speed
-        return ca.horzcat(*[self.on(one, s.q.numel()) for one in (cold, speed)])
+        return ca.horzcat(*[self.on(one, s.q.numel()) for one in (cold, -speed)])
 
     def sizes(self) -> tuple[float, ...]:
         return (self.viscous_Nms_rad,)

@@ -14,6 +14,7 @@ from irb2400_ctrl.effects import LIBRARY
 from irb2400_ctrl.effects.cable_spring import CableSpring
 from irb2400_ctrl.effects.coulomb_asymmetry import CoulombAsymmetry
 from irb2400_ctrl.effects.torque_offset import TorqueOffset
+from irb2400_ctrl.effects.viscous_warmup import ViscousWarmup
 from irb2400_ctrl.errors import InputError
 
 
@@ -119,3 +120,17 @@ def test_play_is_looked_for_up_to_more_than_a_degree() -> None:
     flights = [point["flight_rad"] for point in LIBRARY["transmission_backlash"].grid(5)]
     assert max(flights) > np.radians(1.5)
     assert min(flights) == pytest.approx(1e-4)
+
+
+@pytest.mark.parametrize(("cold", "below"), [(8.0, 0.0), (0.0, 8.0), (4.0, 6.0)])
+def test_a_gear_warms_up_from_whatever_the_file_states(cold: float, below: float) -> None:
+    """One whose file holds its friction of the morning (5,710 and 617 sigma) had no name: what is
+    left at the end of a record was taken for the file's."""
+    time = sound().time - sound().time[0]
+    level = np.exp(-time / 15.0)
+    log = with_torque(3, (cold * level - below * (1.0 - level)) * speed(3))
+    warm = only(diagnose(ROBOT, log), "viscous_warmup", 3)
+    assert isinstance(warm, ViscousWarmup)
+    assert warm.viscous_Nms_rad == pytest.approx(cold + below, rel=0.2)
+    assert warm.below_Nms_rad == pytest.approx(below, abs=0.2 * (cold + below))
+    assert warm.time_constant_s == pytest.approx(15.0, rel=0.35)
