@@ -122,14 +122,14 @@ def test_play_is_looked_for_up_to_more_than_a_degree() -> None:
     assert min(flights) == pytest.approx(1e-4)
 
 
-@pytest.mark.parametrize(("cold", "below"), [(8.0, 0.0), (0.0, 8.0), (4.0, 6.0)])
+@pytest.mark.parametrize(("cold", "below"), [(5.0, 0.0), (0.0, 5.0), (3.0, 4.0)])
 def test_a_gear_warms_up_from_whatever_the_file_states(cold: float, below: float) -> None:
     """One whose file holds its friction of the morning (5,710 and 617 sigma) had no name: what is
     left at the end of a record was taken for the file's."""
     time = sound().time - sound().time[0]
     level = np.exp(-time / 15.0)
-    log = with_torque(3, (cold * level - below * (1.0 - level)) * speed(3))
-    warm = only(diagnose(ROBOT, log), "viscous_warmup", 3)
+    log = with_torque(4, (cold * level - below * (1.0 - level)) * speed(4))
+    warm = only(diagnose(ROBOT, log), "viscous_warmup", 4)
     assert isinstance(warm, ViscousWarmup)
     assert warm.viscous_Nms_rad == pytest.approx(cold + below, rel=0.2)
     assert warm.below_Nms_rad == pytest.approx(below, abs=0.2 * (cold + below))
