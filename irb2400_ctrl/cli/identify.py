@@ -68,6 +68,7 @@ def identify(
     output_folder(out)
 
     from irb2400_ctrl.identification import identify as run
+    from irb2400_ctrl.model.plausibility import unknown_bodies
     from irb2400_ctrl.report.pages.identification_page import identification_page, lines
 
     arm = load_arm(robot, uncertainty)
@@ -86,7 +87,8 @@ def identify(
         page.provenance(provenance(arm))
         page.write(out / "report.html")
     print("\n".join(lines(result)))
-    print(f"prior of the robot file: {arm.uncertainty.says()}")
+    known = "none of the bodies" if unknown_bodies(arm) else arm.uncertainty.says()
+    print(f"prior of the robot file: {known}")
     names = ("robot.toml", "identification.json", "covariance.json", "report.html")
     written = [out / name for name in names]
     return wrote(result.to_json(), written)

@@ -161,9 +161,20 @@ class Diagnosis(Displayed):
     @property
     def much_left(self) -> tuple[int, ...]:
         """Joints (from 1) on which much more than noise is left, beside few samples."""
+        return self._that_count(self._beyond_floor)
+
+    @property
+    def left_as_usual(self) -> tuple[int, ...]:
+        """Joints (from 1) on which much more than noise is left, but no more than the model of this
+        very arm leaves of any motion."""
+        resting = {*self.much_left, *self.not_excited}
+        return tuple(j for j in self._beyond_floor if j not in resting)
+
+    @property
+    def _beyond_floor(self) -> list[int]:
         size = rms(self.identification.measured)
         much = self.mostly_left > np.maximum(NEAR_FLOOR * self.least_floor, LITTLE * size)
-        return self._that_count([int(j) + 1 for j in np.flatnonzero(much)])
+        return [int(j) + 1 for j in np.flatnonzero(much)]
 
     def _that_count(self, joints: Sequence[int]) -> tuple[int, ...]:
         """Those (from 1) that move, and on which more is left than usual."""

@@ -77,7 +77,8 @@ class Identification(Displayed):
         source: where speed and acceleration were taken from, "angle" or "speed".
         sigma: rms torque that is left per joint [Nm], (n,);
         correlation: samples that say the same thing, mean of the joints.
-        moved: of every link; verdicts: what these motions tell of every number.
+        moved: of every link, none where the file has no bodies; verdicts: what these motions tell
+            of every number.
         notes: sentences for the reader.
         friction: of joints that ran at constant speed, forth and back (eqs. 70-74).
         gains: of the torque channels, where not all are taken to read alike;

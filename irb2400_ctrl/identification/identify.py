@@ -37,6 +37,7 @@ from irb2400_ctrl.identification.gains import (
     without_gains,
 )
 from irb2400_ctrl.identification.gate import verdicts
+from irb2400_ctrl.identification.guessed_bodies import GUESSED, with_guessed_bodies
 from irb2400_ctrl.identification.held_out import held_out, slowly_left
 from irb2400_ctrl.identification.identification import Identification, LogResult
 from irb2400_ctrl.identification.identified_robot import fit_base, identified_robot
@@ -53,6 +54,7 @@ from irb2400_ctrl.identification.odd_logs import odd_logs
 from irb2400_ctrl.identification.understood_logs import borne_out, said_of, understood_logs
 from irb2400_ctrl.measurement import Log
 from irb2400_ctrl.model import Model
+from irb2400_ctrl.model.plausibility import unknown_bodies
 from irb2400_ctrl.plausibility.columns.channels import NO_MOTION
 from irb2400_ctrl.robot import Body, Identified, Robot
 from irb2400_ctrl.typed import typed
@@ -134,7 +136,8 @@ def _identified(robot: Robot, seen: Logs, others: Logs, gains: Gains | None) -> 
     curves = friction_curves([run for some in runs for run in some])
     sensed = sensed_load(robot, sound.logs)
     # a placeholder says nothing of the friction that is looked for
-    stated = robot.with_unknown_friction(sound.other_friction)
+    whole = with_guessed_bodies(robot, sound.logs)
+    stated = whole.with_unknown_friction(sound.other_friction)
     base, kept = fit_base(with_load(with_curves(stated, curves), sensed))
     model = Model(base)
     late = delays(model, kept, sound.logs)
@@ -145,7 +148,11 @@ def _identified(robot: Robot, seen: Logs, others: Logs, gains: Gains | None) -> 
     covariance += open_by_delay(model, found, parts, late) + open_by_gain(found, gains)
     fitted, said = identified_robot(kept, found.layout, found.theta)
     _agree(fitted, kept, parts[0], predicted(model, found.layout, parts[0], found.theta))
-    moved = moved_bodies(base, found.prior, found.theta, covariance, found.numbers.kappa)
+    moved = (
+        moved_bodies(base, found.prior, found.theta, covariance, found.numbers.kappa)
+        if whole is robot
+        else []
+    )
     told = verdicts(model, found.layout, found.sums, found.numbers.sigma, found.samples)
     results = _judged(model, robot, found, parts, [log_of_runs(log, curves) for log in sound.logs])
     known = _known(found, covariance, results)
@@ -171,13 +178,14 @@ def _identified(robot: Robot, seen: Logs, others: Logs, gains: Gains | None) -> 
             *said_of(sound, beside),
             *against,
             *(one.says() for one in told_late),
+            *([] if whole is robot else [GUESSED.format(why=unknown_bodies(robot))]),
             *notes_of(moved, found, covariance, said),
             *resting(told),
             *_recorded_how(parts, curves, sensed),
         ],
         friction=curves,
         sensed=sensed,
-        of_bodies=of_the_bodies(moved, results, bool(against or said)),
+        of_bodies=of_the_bodies(moved, results, bool(against or said or not moved)),
         late=told_late,
     )
     return identified, found

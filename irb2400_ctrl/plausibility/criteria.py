@@ -106,6 +106,17 @@ def for_one_joint(one: Fit, other: Fit) -> bool:
     return bool(HALF * left[0] > left[1])
 
 
+def behind(reading: Reading, found: Fit, other: Fit) -> bool:
+    """Whether a reading explains other joints by a zero of one whose own torque it explains worse:
+    a zero that is off turns the weight on its own joint first.
+
+    Args:
+        reading: that one; found: its fit; other: that without it.
+    """
+    own = np.array(reading.joints, dtype=int) - 1
+    return reading.kind == "angle_zero" and bool((found.left[own] > other.left[own]).all())
+
+
 def strange(reading: Reading, best: Fit) -> LogProblem | None:
     """A joint whose torque even its best factor does not explain."""
     if reading.kind != "torque_scale" or len(reading.joints) != 1:

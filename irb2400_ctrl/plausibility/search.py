@@ -17,6 +17,7 @@ from irb2400_ctrl.plausibility.criteria import (
     FITS_PRICE,
     MARGIN,
     PUSHED,
+    behind,
     clearly_better,
     for_one_joint,
     lost,
@@ -289,7 +290,8 @@ class _Search:
         if gain < SHARP_GAIN * robot.n / 6.0:
             return None
         found = self.fit(best)
-        return None if for_one_joint(found, labelled) else (best, found)
+        own = behind(best, found, labelled) or for_one_joint(found, labelled)
+        return None if own else (best, found)
 
     def sharp_cost(self, reading: Reading, misfits: tuple[float, ...] = MISFITS) -> float:
         """Cost of a reading with the misfit that it supports; infinite where nothing is left."""

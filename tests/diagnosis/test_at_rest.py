@@ -21,7 +21,7 @@ from irb2400_ctrl.diagnosis.regressors.predict import predicted_torque
 from irb2400_ctrl.effects.torque_offset import TorqueOffset
 from irb2400_ctrl.measurement import Log
 from irb2400_ctrl.measurement.prepared_log import PreparedLog, prepare
-from irb2400_ctrl.report.pages.diagnosis_page import AT_REST, verdict_sentence
+from irb2400_ctrl.report.pages.verdict import AT_REST, verdict_sentence
 from irb2400_ctrl.robot import Robot, load_robot
 
 ROBOT = load_robot("irb2400")

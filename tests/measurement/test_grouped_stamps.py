@@ -12,6 +12,7 @@ from irb2400_ctrl.measurement import Log, read_log
 from irb2400_ctrl.measurement.grouped_stamps import grouped, stamps_apart
 from irb2400_ctrl.measurement.log_facts import log_facts
 from irb2400_ctrl.measurement.time_base import time_base, ungrouped
+from irb2400_ctrl.plausibility.columns.channels import channel_problem
 
 STEP = 0.008
 
@@ -99,3 +100,16 @@ def test_stamps_that_rise_or_go_back_stay() -> None:
     back = time.copy()
     back[50:] -= 0.2
     assert stamps_apart(back) is back
+
+
+def test_groups_of_which_samples_were_lost_are_no_sound_log() -> None:
+    """Rows of one stamp deleted, one was "sound at 12985 Hz, 93 % lost"."""
+    time, q = waves()
+    stamps = arrivals(time, 2e-5)
+    kept = np.random.default_rng(7).uniform(size=len(time)) > 0.3
+    log = Log(stamps[kept], q[kept], 10.0 * q[kept])
+    assert ungrouped(log) is log
+    found = channel_problem(log)
+    assert found is not None
+    assert found.kind == "clock_groups"
+    assert "came in groups, 0.02 ms apart within" in found.says

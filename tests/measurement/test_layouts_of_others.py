@@ -16,6 +16,7 @@ from measured_logs import made, same
 
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.measurement import Log, load_column_map, read_log
+from irb2400_ctrl.measurement.time_base import ungrouped
 
 LOG = made()
 T = LOG.time
@@ -168,12 +169,16 @@ joints = 6
 """
 
 
-def test_a_short_line_within_and_a_coarse_clock_are_refused(tmp_path: Path) -> None:
+def test_a_short_line_within_is_refused_and_a_coarse_clock_is_counted(tmp_path: Path) -> None:
     path = tmp_path / "log.csv"
     path.write_text(table(PLAIN, T, Q, TAU) + "2.0,0.1,0.\n" + "0," * 12 + "0\n", "utf-8")
     with pytest.raises(InputError, match="line 502: found 3 cells, expected 13"):
         read_log(path)
+    # the angles bear out that its rows are samples of one motion, or do not
     path.write_text(table(PLAIN, np.round(T, 2), Q, TAU), "utf-8")
+    np.testing.assert_allclose(np.diff(ungrouped(read_log(path)).time), T[1] - T[0], rtol=0.01)
+    mixed = np.random.default_rng(1).permutation(Q)
+    path.write_text(table(PLAIN, np.round(T, 2), mixed, TAU), "utf-8")
     with pytest.raises(InputError, match="too coarse for its rows, state rate_Hz"):
         read_log(path)
 

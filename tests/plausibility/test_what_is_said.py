@@ -13,6 +13,9 @@ import irb2400_ctrl as irb
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.identification.understood_logs import understood_logs
 from irb2400_ctrl.plausibility import check_log, log_problem
+from irb2400_ctrl.plausibility.criteria import behind
+from irb2400_ctrl.plausibility.evidence import Fit
+from irb2400_ctrl.plausibility.reading import Reading
 from irb2400_ctrl.robot import Body, load_robot
 
 ROBOT = load_robot("irb2400")
@@ -81,3 +84,14 @@ def test_a_robot_file_without_bodies_tells_nothing_of_a_log(mass: float, says: s
     assert far.kind == "angle_scale"
     with pytest.raises(InputError, match=rf"{says}, expected a model.*irb2400 identify"):
         irb.diagnose(bare, log)
+
+
+def test_a_zero_that_explains_its_own_joint_worse_is_none() -> None:
+    """A recording of an arm was refused for a zero of joint 6, of which it left more."""
+    none = np.eye(3)
+    zero = Reading("angle_zero", "", none, np.zeros(3), none, joints=(2,))
+    labelled = Fit(90.0, 60.0, np.array([0.3, 0.2, 0.3]))
+    worse = Fit(50.0, 30.0, np.array([0.1, 0.25, 0.1]))
+    assert behind(zero, worse, labelled)
+    assert not behind(zero, replace(worse, left=np.array([0.1, 0.15, 0.1])), labelled)
+    assert not behind(replace(zero, kind="angle_sign"), worse, labelled)

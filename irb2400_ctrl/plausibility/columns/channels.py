@@ -34,6 +34,10 @@ DAY = 86_400.0
 """[s] that spreadsheets and MATLAB count as one"""
 FASTEST = 20e3
 """[Hz] no arm's log is sampled faster"""
+LATE = 5.0
+"""times the median step: a step between two groups of samples"""
+OFTEN = 0.05
+"""share of the steps that are such: samples that are lost leave fewer"""
 SPARSE = 20.0
 """times a log may be longer than its samples"""
 STAIRS = 0.03
@@ -58,6 +62,18 @@ def channel_problem(log: Log) -> LogProblem | None:
 
 
 def _clock(log: Log) -> LogProblem | None:
+    steps = np.diff(log.time)
+    median = float(np.median(steps))
+    late = steps > LATE * median
+    if np.mean(late) > OFTEN:
+        return LogProblem(
+            "clock_groups",
+            f"samples came in groups, {1e3 * median:.3g} ms apart within and "
+            f"{1e3 * float(np.median(steps[late])):.3g} ms between, and the angles do not say when "
+            "they were taken: expected the controller's own time; if no sample is missing, state "
+            "rate_Hz in a column map instead of the time",
+            unusable=True,
+        )
     if log.rate > FASTEST:
         days = log.rate / 1e3 > FASTEST > log.rate / DAY
         units = (

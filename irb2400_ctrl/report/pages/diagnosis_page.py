@@ -39,51 +39,16 @@ from irb2400_ctrl.report.pages.three_lists import (
     number_rows,
     numbers_of,
 )
+from irb2400_ctrl.report.pages.verdict import verdict_sentence
 from irb2400_ctrl.typed import typed
 from irb2400_ctrl.wording import up_to
 
-VERDICTS = {
-    "explained": "The log shows something the model lacks, and it has a name.",
-    "nothing_missing": "Nothing is missing: what is left after recalibration is noise.",
-    "unexplained": "Something is left that no effect of the library makes.",
-    "log_not_understood": "The log is not what its columns say: no effect was tried.",
-}
-LACKS_ONLY = "The file leaves out what most files do (rotors, offsets), and that has a name."
-AT_REST = "What was found fits the joints that moved, and makes wrong what holds those that rest."
 GRADES: dict[str, Grade] = {
     "explained": "note",
     "nothing_missing": "good",
     "unexplained": "bad",
     "log_not_understood": "bad",
 }
-CHANGES = {
-    "explained": "Something has changed since the reference, and it has a name.",
-    "nothing_missing": "Nothing has changed since the reference: what is left is noise.",
-    "unexplained": "Something has changed since the reference that no effect of the library makes.",
-}
-"""the same, where the arm itself on another day is the reference"""
-FROM_A_FILE = ("has changed since the reference", "is otherwise than the reference file states")
-
-
-def verdict_sentence(diagnosis: Diagnosis) -> str:
-    """The verdict in one sentence."""
-    if diagnosis.verdict == "unexplained" and diagnosis.worse_at_rest:
-        return AT_REST
-    off = diagnosis.verdict == "nothing_missing" and off_bodies(diagnosis.numbers)
-    if off and not diagnosis.change:
-        return "No law is missing, but inertial numbers of the file are off; what is left is noise."
-    if not diagnosis.change or diagnosis.log_problem is not None:
-        special = [f for f in diagnosis.findings if f.list == "special"]
-        if diagnosis.verdict == "explained" and not special:
-            return LACKS_ONLY
-        return VERDICTS[diagnosis.verdict]
-    changed = [n for n in diagnosis.numbers if n.list == "changed"]
-    if diagnosis.verdict == "nothing_missing" and changed:
-        said = f"{len(changed)} numbers" if len(changed) > 1 else "a number"
-        return f"No new effect since the reference, but {said} of the arm changed."
-    if diagnosis.before is None and diagnosis.verdict != "nothing_missing":
-        return CHANGES[diagnosis.verdict].replace(*FROM_A_FILE)
-    return CHANGES[diagnosis.verdict]
 
 
 @typed

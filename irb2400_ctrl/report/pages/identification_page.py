@@ -75,15 +75,8 @@ def identification_page(result: Identification, logs: Sequence[Log] = ()) -> Pag
         "What the identified arm leaves is noise, or something that these numbers cannot express: "
         "irb2400 diagnose LOG --robot robot.toml says which."
     )
-    page.heading("What moved")
-    page.table("Bodies, and how far they went from the file", *moved_rows(result))
-    page.figures(
-        [moved_figure(moved) for moved in result.moved],
-        "Every number of a body, in standard deviations of the file: grey what the file leaves "
-        "open, the bars what is open now (both 95 %). A short bar beyond the dashed lines: the "
-        "file is wrong there. A bar as long as the grey is high: these motions do not show it; a "
-        "longer one belongs to a body that the fit let go further than the file allows.",
-    )
+    if result.moved:
+        _moved(page, result)
     page.heading("Drives")
     page.table("Friction, offset and rotor, with standard errors", *drive_rows(result))
     if result.friction:
@@ -209,6 +202,19 @@ def error_rows(log: LogResult) -> tuple[list[str], list[list[object]]]:
         for which, name in MODELS.items()
     ]
     return head, rows
+
+
+def _moved(page: Page, result: Identification) -> None:
+    """How far the bodies went from those of the file."""
+    page.heading("What moved")
+    page.table("Bodies, and how far they went from the file", *moved_rows(result))
+    page.figures(
+        [moved_figure(moved) for moved in result.moved],
+        "Every number of a body, in standard deviations of the file: grey what the file leaves "
+        "open, the bars what is open now (both 95 %). A short bar beyond the dashed lines: the "
+        "file is wrong there. A bar as long as the grey is high: these motions do not show it; a "
+        "longer one belongs to a body that the fit let go further than the file allows.",
+    )
 
 
 def moved_rows(result: Identification) -> tuple[list[str], list[list[object]]]:

@@ -15,10 +15,11 @@ from irb2400_ctrl.report.figures.simulation_figures import (
 )
 from irb2400_ctrl.report.main_job import MainJob
 from irb2400_ctrl.report.pages.closed_loop_section import add_closed_loop, closed_loop_lines
-from irb2400_ctrl.report.pages.diagnosis_page import add_diagnosis, finding_title, verdict_sentence
+from irb2400_ctrl.report.pages.diagnosis_page import add_diagnosis, finding_title
 from irb2400_ctrl.report.pages.plan_page import add_plan
 from irb2400_ctrl.report.pages.plan_page import sentence as plan_sentence
 from irb2400_ctrl.report.pages.simulation_page import arm_view
+from irb2400_ctrl.report.pages.verdict import verdict_sentence
 
 STEPS = (
     "One symbolic model of the arm does everything on this page: it times a CAM toolpath under "
