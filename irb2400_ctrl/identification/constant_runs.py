@@ -15,7 +15,7 @@ import numpy as np
 
 from irb2400_ctrl.arrays import Array, Mask, true_stretches
 from irb2400_ctrl.measurement import Log
-from irb2400_ctrl.measurement.time_base import with_time_base
+from irb2400_ctrl.measurement.instants.time_base import with_time_base
 from irb2400_ctrl.measurement.uniform import UniformLog, resample
 
 WINDOW = 0.2

@@ -136,7 +136,8 @@ def _identified(robot: Robot, seen: Logs, others: Logs, gains: Gains | None) -> 
     curves = friction_curves([run for some in runs for run in some])
     sensed = sensed_load(robot, sound.logs)
     # a placeholder says nothing of the friction that is looked for
-    whole = with_guessed_bodies(robot, sound.logs)
+    guessed = unknown_bodies(robot)
+    whole = with_guessed_bodies(robot, sound.logs) if guessed else robot
     stated = whole.with_unknown_friction(sound.other_friction)
     base, kept = fit_base(with_load(with_curves(stated, curves), sensed))
     model = Model(base)
@@ -148,19 +149,15 @@ def _identified(robot: Robot, seen: Logs, others: Logs, gains: Gains | None) -> 
     covariance += open_by_delay(model, found, parts, late) + open_by_gain(found, gains)
     fitted, said = identified_robot(kept, found.layout, found.theta)
     _agree(fitted, kept, parts[0], predicted(model, found.layout, parts[0], found.theta))
-    moved = (
-        moved_bodies(base, found.prior, found.theta, covariance, found.numbers.kappa)
-        if whole is robot
-        else []
-    )
+    moved = [] if guessed else moved_bodies(base, found, covariance)
     told = verdicts(model, found.layout, found.sums, found.numbers.sigma, found.samples)
     results = _judged(model, robot, found, parts, [log_of_runs(log, curves) for log in sound.logs])
     known = _known(found, covariance, results)
     late_beside = delays(model, kept, beside.logs)
     parts_beside = given_torque(kept, prepared(beside.logs, source, late_beside))
     results += _validated(model, robot, found, parts_beside)
-    zeros = [one.says() for one in other_zeros(model, found, parts)]
-    against = [*zeros, *borne_out(sound, results), *odd_logs(found, parts)]
+    against = [one.says() for one in other_zeros(model, found, parts)]
+    against += [*borne_out(sound, results), *odd_logs(found, parts)]
     told_late = [one for one in (*late, *late_beside) if one is not None]
     identified = Identification(
         given=robot,
@@ -178,7 +175,7 @@ def _identified(robot: Robot, seen: Logs, others: Logs, gains: Gains | None) -> 
             *said_of(sound, beside),
             *against,
             *(one.says() for one in told_late),
-            *([] if whole is robot else [GUESSED.format(why=unknown_bodies(robot))]),
+            *([GUESSED.format(why=guessed)] if guessed else []),
             *notes_of(moved, found, covariance, said),
             *resting(told),
             *_recorded_how(parts, curves, sensed),

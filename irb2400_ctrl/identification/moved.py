@@ -14,6 +14,7 @@ from irb2400_ctrl.identification.fitting.consistent_fit import (
     possible,
     pseudo_inertias,
 )
+from irb2400_ctrl.identification.fitting.fitted import Fit
 from irb2400_ctrl.identification.fitting.prior import Prior
 from irb2400_ctrl.robot import Body, Robot
 
@@ -80,22 +81,18 @@ class Moved:
         return self.could_be and (self.far or abs(self.shown[1]) > ALARM)
 
 
-def moved_bodies(
-    robot: Robot, prior: Prior, theta: Array, covariance: Array, kappa: Array
-) -> list[Moved]:
+def moved_bodies(robot: Robot, fit: Fit, covariance: Array) -> list[Moved]:
     """Every link, tool folded in on both sides.
 
     A file whose bodies cannot exist is first moved to the nearest ones that can, in its own
     standard deviations: that much is no news of this arm.
 
     Args:
-        robot: the file.
-        prior: spreads of its numbers.
-        theta, covariance: the fitted numbers, shapes (p,) and (p, p).
-        kappa: width of each body's prior over the stated one, shape (n,) [-].
+        robot: the file; fit: its numbers; covariance: of those, shape (p, p).
     """
     found = []
-    nearest = _nearest_possible(prior)
+    theta = fit.theta
+    nearest = _nearest_possible(fit.prior)
     for link in range(robot.n):
         before = nearest[link]
         own = slice(10 * link, 10 * link + 10)
@@ -107,7 +104,7 @@ def moved_bodies(
         could_be = bool(np.linalg.eigvalsh(file)[0] > -ROUNDING * abs(np.trace(file)))
         sigmas = change / spread
         errors = _errors(theta[own], covariance[own, own]) / spread
-        width = float(kappa[link])
+        width = float(fit.numbers.kappa[link])
         found.append(Moved(link + 1, body_numbers(body), after, sigmas, errors, width, could_be))
     return found
 

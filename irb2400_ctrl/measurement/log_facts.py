@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 
 from irb2400_ctrl.arrays import Array, rms
-from irb2400_ctrl.measurement.grouped_stamps import grouped
+from irb2400_ctrl.measurement.instants.grouped_stamps import grouped
+from irb2400_ctrl.measurement.instants.time_base import TimeBase, time_base
 from irb2400_ctrl.measurement.log import Log
-from irb2400_ctrl.measurement.time_base import TimeBase, time_base
 
 GAP = 2.5
 """periods from which a pause between samples is a gap"""

@@ -12,12 +12,12 @@ from scipy.ndimage import uniform_filter1d
 
 from irb2400_ctrl.arrays import Array, Mask, rms, true_stretches
 from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.measurement.instants.time_base import with_time_base
 from irb2400_ctrl.measurement.log import Log
 from irb2400_ctrl.measurement.motion.angle_smoothing import AngleSmoothing, angle_smoothing
 from irb2400_ctrl.measurement.motion.commanded import BLEND, used_angles
 from irb2400_ctrl.measurement.motion.held_samples import released
 from irb2400_ctrl.measurement.motion.recorded_speed import calmer_speed
-from irb2400_ctrl.measurement.time_base import with_time_base
 from irb2400_ctrl.measurement.torque_filter import TorqueFilter, find_torque_filter
 from irb2400_ctrl.measurement.uniform import (
     HALF_WINDOW,

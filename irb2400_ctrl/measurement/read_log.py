@@ -31,13 +31,13 @@ from irb2400_ctrl.measurement.cells import (
 from irb2400_ctrl.measurement.columns.column_map import ColumnMap, load_column_map
 from irb2400_ctrl.measurement.columns.understood import clock_of, understood
 from irb2400_ctrl.measurement.csv_table import read_csv_table
-from irb2400_ctrl.measurement.grouped_stamps import stamps_apart
+from irb2400_ctrl.measurement.instants.grouped_stamps import stamps_apart
+from irb2400_ctrl.measurement.instants.time_base import counted
 from irb2400_ctrl.measurement.log import Log
 from irb2400_ctrl.measurement.other_files import refuse_other_files
 from irb2400_ctrl.measurement.ros_table import read_ros_table
 from irb2400_ctrl.measurement.stretch import Cut, Stretch
 from irb2400_ctrl.measurement.table import Table
-from irb2400_ctrl.measurement.time_base import counted
 from irb2400_ctrl.reading import lvm_blocks, refuse_stand_in, sheet_blocks, text_blocks
 from irb2400_ctrl.typed import typed
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.measurement.instants.time_base import with_time_base
 from irb2400_ctrl.measurement.log import Log
 from irb2400_ctrl.measurement.log_facts import digit, neighbour_noise
 from irb2400_ctrl.measurement.prepared_log import CUTOFF
-from irb2400_ctrl.measurement.time_base import with_time_base
 from irb2400_ctrl.measurement.uniform import (
     LowPass,
     derivative_margin,

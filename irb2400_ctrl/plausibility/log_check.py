@@ -9,10 +9,10 @@ import numpy as np
 
 from irb2400_ctrl.arrays import Array, one_thread
 from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.measurement.instants.time_base import ungrouped, with_time_base
 from irb2400_ctrl.measurement.log import Log
 from irb2400_ctrl.measurement.log_facts import LogFacts, log_facts
 from irb2400_ctrl.measurement.prepared_log import prepare
-from irb2400_ctrl.measurement.time_base import ungrouped, with_time_base
 from irb2400_ctrl.model.plausibility import unknown_bodies
 from irb2400_ctrl.plausibility.columns.agreement import (
     command_problem,

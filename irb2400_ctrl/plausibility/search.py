@@ -135,8 +135,7 @@ def _beside_what_differs(nominal: Nominal, log: Log, rows: Rows) -> Understandin
             return replace(_understood(freed, log, rows), although=said)
     if found.problem:
         spring = None if nominal.balanced else beside_a_balancer(nominal, rows, found.best)
-        beside = spring or beside_a_coupled_wrist(nominal, rows, found.best)
-        if beside is not None:
+        if beside := spring or beside_a_coupled_wrist(nominal, rows, found.best):
             fit, said = beside
             return Understanding(fit, fit, as_labelled(robot.n), None, although=said)
     stated = robot.friction.any() and robot.identified is None

@@ -10,7 +10,7 @@ from typing import Any, cast
 import numpy as np
 import pytest
 
-from irb2400_ctrl.diagnosis import Curve, Diagnosis, Finding, Number
+from irb2400_ctrl.diagnosis import Curve, Finding, Number
 from irb2400_ctrl.diagnosis.findings import _gain
 from irb2400_ctrl.diagnosis.lists import FindingList, list_of
 from irb2400_ctrl.diagnosis.preparation.noise_test import NoiseTest
@@ -274,18 +274,6 @@ def test_of_rotors_alone_nothing_special_is_told() -> None:
     rotor = finding("rotor_inertia", 2, 0.05)
     assert told(rotor).startswith("The file leaves out what most files do")
     assert told(rotor, finding("gear_ripple", 1, 0.1)) == VERDICTS["explained"]
-
-
-def test_what_an_identification_left_as_well_is_not_called_noise() -> None:
-    """1.05 Nm of 1.70 stood under "what is left is noise", of a floor of 0.36."""
-    about = {"change": False, "log_problem": None, "verdict": "nothing_missing"}
-    found = SimpleNamespace(findings=(), numbers=(), left_as_usual=(5,), **about)
-    said = verdict_sentence(cast(Any, found))
-    assert said.endswith("left as well: more than noise on joint 5.")
-    found.left_as_usual = ()
-    assert verdict_sentence(cast(Any, found)) == VERDICTS["nothing_missing"]
-    left: Any = SimpleNamespace(_beyond_floor=[2, 4, 5], much_left=(2,), not_excited=(4,))
-    assert Diagnosis.left_as_usual.fget(left) == (5,)  # type: ignore[attr-defined]
 
 
 def test_a_coordinate_has_no_per_cent() -> None:

@@ -9,9 +9,9 @@ import pytest
 
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.measurement import Log, read_log
-from irb2400_ctrl.measurement.grouped_stamps import grouped, stamps_apart
+from irb2400_ctrl.measurement.instants.grouped_stamps import grouped, stamps_apart
+from irb2400_ctrl.measurement.instants.time_base import time_base, ungrouped
 from irb2400_ctrl.measurement.log_facts import log_facts
-from irb2400_ctrl.measurement.time_base import time_base, ungrouped
 from irb2400_ctrl.plausibility.columns.channels import channel_problem
 
 STEP = 0.008

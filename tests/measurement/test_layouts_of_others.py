@@ -16,7 +16,7 @@ from measured_logs import made, same
 
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.measurement import Log, load_column_map, read_log
-from irb2400_ctrl.measurement.time_base import ungrouped
+from irb2400_ctrl.measurement.instants.time_base import ungrouped
 
 LOG = made()
 T = LOG.time

@@ -7,9 +7,9 @@ import pytest
 from mujoco_plant.suites import suite
 
 from irb2400_ctrl.measurement import Log
-from irb2400_ctrl.measurement.even_instants import missed_by
+from irb2400_ctrl.measurement.instants.even_instants import missed_by
+from irb2400_ctrl.measurement.instants.time_base import _slope, time_base, with_time_base
 from irb2400_ctrl.measurement.log_facts import log_facts
-from irb2400_ctrl.measurement.time_base import _slope, time_base, with_time_base
 
 DIGIT = 5e-6
 

@@ -42,20 +42,6 @@ def test_a_table_of_a_spreadsheet_is_the_same_arm(tmp_path: Path, separator: str
     assert found.links[0].body == plain.links[0].body
 
 
-def test_a_table_without_masses_is_an_arm_without_masses(tmp_path: Path) -> None:
-    """As a URDF without them: `identify` makes bodies of logs."""
-    rows = [",".join(line.split(",")[:4]) for line in DH.splitlines()[1:]]
-    bare = imported(tmp_path, "a.csv", "\n".join(["# convention: standard", *rows]) + "\n")
-    q = np.array([0.3, -0.4])
-    whole = imported(tmp_path, "b.csv", DH)
-    np.testing.assert_array_equal(irb.Model(bare).tcp_pose(q), irb.Model(whole).tcp_pose(q))
-    assert not any(link.body.mass_kg for link in bare.links)
-    with pytest.raises(InputError, match="row 2: found no mass_kg beside other mass data"):
-        imported(tmp_path, "c.csv", DH.replace("-20,4,", "-20,,"))
-    with pytest.raises(InputError, match=r"not XML .* or a DH table with the suffix .csv"):
-        imported(tmp_path, "a.txt", DH)
-
-
 @pytest.mark.parametrize(
     ("old", "new", "says"),
     [

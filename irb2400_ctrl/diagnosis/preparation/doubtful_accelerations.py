@@ -14,9 +14,9 @@ from scipy.ndimage import convolve1d
 from scipy.signal import firwin
 
 from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.measurement.instants.time_base import with_time_base
 from irb2400_ctrl.measurement.log import Log
 from irb2400_ctrl.measurement.prepared_log import PreparedLog
-from irb2400_ctrl.measurement.time_base import with_time_base
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.plausibility.cost_of_noise import acceleration_noise
 

@@ -13,10 +13,10 @@ from scipy.stats import norm
 from irb2400_ctrl.arrays import Array, Mask
 from irb2400_ctrl.diagnosis.preparation.quick_rests import QuickRests, quick_rests
 from irb2400_ctrl.effects import Effect
+from irb2400_ctrl.measurement.instants.time_base import with_time_base
 from irb2400_ctrl.measurement.log import Log
 from irb2400_ctrl.measurement.log_facts import digit
 from irb2400_ctrl.measurement.prepared_log import PreparedLog
-from irb2400_ctrl.measurement.time_base import with_time_base
 from irb2400_ctrl.measurement.torque_filter import TorqueFilter
 from irb2400_ctrl.measurement.uniform import derivative_margin, derivatives, smoothed
 from irb2400_ctrl.plausibility.cost_of_noise import torque_from_angle_noise, torque_of

@@ -94,7 +94,11 @@ def _nearest_lattice(
 
 def closed(q: Array, even: Array, step: float) -> Array:
     """The instants without the pauses that do not make the angles smoother: samples that came late
-    look like samples that were lost."""
+    look like samples that were lost.
+
+    Args:
+        q: angles, shape (m, n); even: instants [s], shape (m,); step: their period [s].
+    """
     even = even.copy()
     for after in (np.flatnonzero(np.diff(even) > 1.5 * step) + 1).tolist():
         pause = even[after] - even[after - 1] - step
@@ -119,6 +123,9 @@ def losses_placed(q: Array, even: Array, step: float) -> Array:
 
     Stamps that scatter by a good part of a period do not tell between which samples one was lost,
     and a few samples a period off are a jump of the angles.
+
+    Args:
+        q: angles, shape (m, n); even: instants [s], shape (m,); step: their period [s].
     """
     even = even.copy()
     for after in (np.flatnonzero(np.diff(even) > 1.5 * step) + 1).tolist():
@@ -173,8 +180,12 @@ def dense(time: Array) -> Mask:
 
 
 def roughness(q: Array, time: Array, near: Array | None = None) -> Array:
-    """Robust size of what interpolation misses, per joint [rad], where the instants `near` (default
-    those themselves) are near enough to interpolate from."""
+    """Robust size of what interpolation misses, per joint [rad].
+
+    Args:
+        q: angles, shape (m, n); time: instants [s], shape (m,).
+        near: instants that are near enough to interpolate from where it is asked; default `time`.
+    """
     where = dense(time if near is None else near)
     with np.errstate(divide="ignore", invalid="ignore"):
         size = np.abs(missed_by(q, time)[where])

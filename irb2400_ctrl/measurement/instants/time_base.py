@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from irb2400_ctrl.arrays import Array
-from irb2400_ctrl.measurement.even_instants import (
+from irb2400_ctrl.measurement.instants.even_instants import (
     BLURRED,
     closed,
     dense,
@@ -24,7 +24,7 @@ from irb2400_ctrl.measurement.even_instants import (
     rougher,
     roughness,
 )
-from irb2400_ctrl.measurement.grouped_stamps import grouped
+from irb2400_ctrl.measurement.instants.grouped_stamps import grouped
 from irb2400_ctrl.measurement.log import Log
 from irb2400_ctrl.measurement.motion.held_samples import released
 

@@ -1,0 +1,3 @@
+"""When samples were taken: even instants behind the stamps that a host wrote."""
+
+__all__: list[str] = []
