@@ -59,3 +59,14 @@ def test_a_comparison_says_it_too() -> None:
     # a third of a per cent was "0"
     low, high = np.sort(told.error.rmse_over_mean_percent)[[0, -1]]
     assert f"off by {low:.1f} to {high:.1f} % of the mean torque" in page
+
+
+def test_a_channel_of_zeros_has_no_share() -> None:
+    """It stood there as 1,032,185,892,871 % of 1e-9 Nm."""
+    one = log()
+    one.measured[:, 1] = 0.0
+    still = np.zeros_like(one.measured)
+    seen = LogComparison("a.csv", one.time, still, still, one.measured, one.modelled, one.known)
+    told = Validation("arm", (seen,))
+    assert lines(told)[2].split()[3:] == ["0", "-"]
+    assert "most on joint 2" not in validation_page(told).html()

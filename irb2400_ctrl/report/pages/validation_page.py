@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.diagnosis.preparation.metrics import Errors
 from irb2400_ctrl.identification import LogComparison, Validation
 from irb2400_ctrl.identification.few_samples import few_samples
@@ -18,6 +19,9 @@ from irb2400_ctrl.report.pages.residual_section import add_parity, add_residual
 from irb2400_ctrl.robot import Robot
 from irb2400_ctrl.typed import typed
 
+NOTHING_MEASURED = 1e6
+"""[%] of the mean torque, from which there is none"""
+
 
 @typed
 def validation_page(result: Validation, robot: Robot | None = None, log: Log | None = None) -> Page:
@@ -28,10 +32,10 @@ def validation_page(result: Validation, robot: Robot | None = None, log: Log | N
     """
     several = len(result.logs) > 1
     page = Page(f"{result.robot} against {', '.join(Path(seen.log).name for seen in result.logs)}")
-    share = result.error.rmse_over_mean_percent
-    worst = int(np.argmax(share))
+    share = _share(result.error)
+    worst = int(np.nanargmax(share)) if np.isfinite(share).any() else 0
     page.answer(
-        f"The model is off by {np.min(share):.1f} to {np.max(share):.1f} % of the mean torque, "
+        f"The model is off by {np.nanmin(share):.1f} to {np.nanmax(share):.1f} % of the mean torque, "
         f"most on joint {worst + 1}.",
         "note",
         [(f"joint {j + 1}, RMSE/AVG", f"{value:.1f} %") for j, value in enumerate(share)],
@@ -81,11 +85,17 @@ def _add_log(page: Page, seen: LogComparison) -> None:
 def rows(error: Errors) -> tuple[list[str], list[list[object]]]:
     """Head and rows: a joint a row, the columns of Tab. 6."""
     head = ["joint", "MAE [Nm]", "RMSE [Nm]", "AVG [Nm]", "RMSE/AVG [%]"]
-    share = error.rmse_over_mean_percent
+    share = _share(error)
     with np.errstate(invalid="ignore", divide="ignore"):
-        mean = 100.0 * error.rmse / share
+        mean = np.nan_to_num(100.0 * error.rmse / share)
     values = zip(error.mae, error.rmse, mean, share, strict=True)
     return head, [[str(j + 1), *(float(v) for v in row)] for j, row in enumerate(values)]
+
+
+def _share(error: Errors) -> Array:
+    """RMSE over the mean torque [%], (n,); none of a channel of zeros."""
+    share = error.rmse_over_mean_percent
+    return np.where(share < NOTHING_MEASURED, share, np.nan)
 
 
 def lines(result: Validation) -> list[str]:
