@@ -33,9 +33,10 @@ def validation_page(result: Validation, robot: Robot | None = None, log: Log | N
     several = len(result.logs) > 1
     page = Page(f"{result.robot} against {', '.join(Path(seen.log).name for seen in result.logs)}")
     share = _share(result.error)
-    worst = int(np.nanargmax(share)) if np.isfinite(share).any() else 0
+    least, most = (np.nan_to_num(share, nan=other) for other in (np.inf, 0.0))
+    worst = int(np.argmax(most))
     page.answer(
-        f"The model is off by {np.nanmin(share):.1f} to {np.nanmax(share):.1f} % of the mean torque, "
+        f"The model is off by {least.min():.1f} to {most.max():.1f} % of the mean torque, "
         f"most on joint {worst + 1}.",
         "note",
         [(f"joint {j + 1}, RMSE/AVG", f"{value:.1f} %") for j, value in enumerate(share)],
