@@ -12,6 +12,7 @@ from irb2400_ctrl.measurement import Log, read_log
 from irb2400_ctrl.measurement.instants.grouped_stamps import grouped, stamps_apart
 from irb2400_ctrl.measurement.instants.time_base import time_base, ungrouped
 from irb2400_ctrl.measurement.log_facts import log_facts
+from irb2400_ctrl.plausibility import log_problem
 from irb2400_ctrl.plausibility.columns.channels import channel_problem
 
 STEP = 0.008
@@ -62,6 +63,13 @@ def test_samples_that_came_in_groups_are_counted() -> None:
     np.testing.assert_array_equal(ungrouped(log).time, base.time)
 
 
+def test_a_log_of_groups_is_what_its_columns_say() -> None:
+    """The speeds within a group were those of another clock."""
+    time, q = waves()
+    log = Log(arrivals(time, 2e-5), q, 10.0 * q)
+    assert log_problem(None, log) is None
+
+
 def test_samples_of_one_stamp_are_told_apart(tmp_path: Path) -> None:
     time, q = waves()
     found = read_log(csv(tmp_path / "a.csv", arrivals(time, 1e-6), q, 3))
@@ -75,6 +83,13 @@ def test_rows_of_one_stamp_that_are_no_samples_of_a_motion_are_refused(tmp_path:
     twice[1::2] += np.random.default_rng(5).normal(scale=0.1, size=q.shape)
     with pytest.raises(InputError, match="time does not rise"):
         read_log(csv(tmp_path / "a.csv", np.repeat(time, 2), twice, 3))
+
+
+def test_one_stamp_that_is_there_twice_begins_no_other_record() -> None:
+    time, q = waves()
+    time[107] = time[106]
+    with pytest.raises(InputError, match=r"at sample 108 .*delete doubled ones; of a clock too"):
+        Log(time, q, q)
 
 
 def test_what_was_lost_between_groups_stays_lost() -> None:
