@@ -134,3 +134,10 @@ def test_a_gear_warms_up_from_whatever_the_file_states(cold: float, below: float
     assert warm.viscous_Nms_rad == pytest.approx(cold + below, rel=0.2)
     assert warm.below_Nms_rad == pytest.approx(below, abs=0.2 * (cold + below))
     assert warm.time_constant_s == pytest.approx(15.0, rel=0.35)
+
+
+def test_what_stays_when_a_gear_is_warm_is_no_warm_up() -> None:
+    """Its extra friction must stand clear of its error: what the file states has no say in it."""
+    warm = ViscousWarmup.of(4, viscous_Nms_rad=3.0, below_Nms_rad=5.0, time_constant_s=15.0)
+    assert warm.sizes() == (3.0,)
+    assert warm.coefficients() == (3.0, 5.0)
