@@ -32,7 +32,7 @@ from irb2400_ctrl.measurement.columns.column_map import ColumnMap, load_column_m
 from irb2400_ctrl.measurement.columns.understood import clock_of, understood
 from irb2400_ctrl.measurement.csv_table import read_csv_table
 from irb2400_ctrl.measurement.instants.grouped_stamps import stamps_apart
-from irb2400_ctrl.measurement.instants.time_base import counted
+from irb2400_ctrl.measurement.instants.time_base import vouched_for
 from irb2400_ctrl.measurement.log import Log
 from irb2400_ctrl.measurement.other_files import refuse_other_files
 from irb2400_ctrl.measurement.ros_table import read_ros_table
@@ -141,9 +141,9 @@ def log_of(
     stamps = _frozen(table.columns.pop(time[0]) * time[1])
     apart = stamps_apart(stamps)
     if apart is not stamps:
-        # one stamp of several samples is that of a group, if the angles say so
+        # one stamp of several samples is that of a group or of a coarse clock, if the angles say so
         tried = Log(apart, signals["q"], signals["tau"], name=str(table.path))
-        stamps = stamps if counted(tried) is None else _frozen(apart)
+        stamps = _frozen(apart) if vouched_for(tried) else stamps
     extra = dict(table.columns)
     return Log(
         stamps, signals.pop("q"), signals.pop("tau"), extra=extra, name=str(table.path), **signals

@@ -76,6 +76,20 @@ def test_samples_of_one_stamp_are_told_apart(tmp_path: Path) -> None:
     np.testing.assert_allclose(np.diff(ungrouped(found).time), STEP, rtol=1e-3)
 
 
+@pytest.mark.parametrize("scatter", [0.2e-3, 0.3e-3])
+def test_stamps_of_whole_milliseconds_are_read_as_what_they_are(
+    tmp_path: Path, scatter: float
+) -> None:
+    """A thousand samples a second, one to nine in a hundred on the stamp of the one before."""
+    time, q = waves()
+    time = time / 8.0
+    late = np.random.default_rng(2).normal(scale=scatter, size=len(time))
+    found = read_log(csv(tmp_path / "a.csv", np.maximum.accumulate(time + late), q, 3))
+    base = time_base(found)
+    assert base.rebuilt
+    assert np.std(base.time - base.time[0] - time) < 2e-5
+
+
 def test_rows_of_one_stamp_that_are_no_samples_of_a_motion_are_refused(tmp_path: Path) -> None:
     """Each row is there twice, the second time with other angles."""
     time, q = waves()

@@ -132,10 +132,9 @@ def counted(log: Log) -> TimeBase | None:
     even = np.asarray(start + step * places)
     slope, error = _slope(log, even)
     told = error < SURE and abs(slope) < DECIDED + 2.0 * error
-    rough = roughness(log.q, even)
     # where the stamps are near enough to interpolate from, too
-    smoother = rougher(rough, roughness(log.q, log.time, even)) < SMOOTHER
-    if not told or not smoother or (rough > MOTION * np.ptp(log.q, axis=0) + DIGIT).any():
+    rough = rougher(roughness(log.q, even), roughness(log.q, log.time, even))
+    if not told or rough >= SMOOTHER or not _of_one_motion(log.q, even):
         return None
     scatter = float(np.std(log.time - even))
     return TimeBase(even, float(step), scatter, _lost(even, step), slope, rebuilt=True)
@@ -144,6 +143,16 @@ def counted(log: Log) -> TimeBase | None:
 def _lost(even: Array, step: float) -> float:
     """Share of the even instants without a sample."""
     return 1.0 - len(even) / (round(float(even[-1] - even[0]) / step) + 1)
+
+
+def vouched_for(log: Log) -> bool:
+    """Whether the angles bear out an even time base, as samples of one motion."""
+    base = time_base(log)
+    return base.rebuilt and _of_one_motion(log.q, base.time)
+
+
+def _of_one_motion(q: Array, time: Array) -> bool:
+    return bool((roughness(q, time) <= MOTION * np.ptp(q, axis=0) + DIGIT).all())
 
 
 def ungrouped(log: Log) -> Log:
