@@ -74,9 +74,6 @@ CASES: dict[str, list[Effect]] = {
             "viscous_warmup", 2, viscous_Nms_rad=60, time_constant_s=5, discrepancy=(20, 10, 10, 5)
         )
     ],
-    "warm-up beyond the file's friction": [
-        effect("viscous_warmup", 2, viscous_Nms_rad=60, below_Nms_rad=40, time_constant_s=5)
-    ],
     "process force": [
         effect("process_force", None, force_x_N=60, force_z_N=-80, start_s=0.2, stop_s=0.8)
     ],
@@ -110,7 +107,7 @@ CASES: dict[str, list[Effect]] = {
     "several": [
         effect("load_friction", 2, coefficient=0.08),
         effect("viscous_power", 1, coefficient=60, exponent=0.5),
-        effect("viscous_warmup", 2, viscous_Nms_rad=60, time_constant_s=5),
+        effect("viscous_warmup", 2, viscous_Nms_rad=60, below_Nms_rad=40, time_constant_s=5),
         effect("process_force", None, force_z_N=-80, start_s=0.2, stop_s=0.8),
         effect("hysteresis", 3, amplitude_Nm=40, width_rad=0.02),
     ],
