@@ -123,6 +123,39 @@ def test_a_long_pause_is_no_group() -> None:
     assert ungrouped(log) is log or (ungrouped(log).time == log.time).all()
 
 
+@pytest.mark.parametrize("pauses", [1, 8, 20])
+def test_pauses_of_a_host_that_is_late_now_and_then_stay(pauses: int) -> None:
+    """Half of the record is not there: its samples are no groups, and their clock goes on."""
+    time, q = waves()
+    kept = np.ones(len(time), dtype=bool)
+    for start in np.linspace(1.0, 22.0, pauses):
+        kept &= ~((time > start) & (time < start + 12.0 / pauses))
+    late = np.random.default_rng(1).normal(scale=2e-4, size=int(kept.sum()))
+    stamps = np.sort(time[kept] + late)
+    assert not grouped(stamps)
+    base = time_base(Log(stamps, q[kept], q[kept]))
+    assert np.abs(base.time - base.time[0] - time[kept] + time[kept][0]).max() < 2e-3
+
+
+def test_a_clock_of_another_period_is_none() -> None:
+    """Groups and a pause: even instants over all of it would run away from the stamps."""
+    time, q = waves()
+    kept = (time < 5.0) | (time > 14.0)
+    log = Log(arrivals(time[kept], 2e-5), q[kept], q[kept])
+    even = ungrouped(log).time
+    assert even is log.time or np.abs(even - log.time).max() < 0.1
+
+
+def test_losses_within_groups_are_no_even_clock() -> None:
+    """Counted without them the instants were five to twelve samples off; lattices finer than the
+    steps within groups are as wrong."""
+    time, q = waves()
+    for lost, seed in ((0.3, 7), (0.5, 8)):
+        kept = np.random.default_rng(seed).uniform(size=len(time)) > lost
+        base = time_base(Log(arrivals(time[kept], 5e-5, seed), q[kept], q[kept]))
+        assert not base.rebuilt
+
+
 def test_stamps_that_rise_or_go_back_stay() -> None:
     time, _ = waves(100)
     assert stamps_apart(time) is time

@@ -8,15 +8,28 @@ from irb2400_ctrl.arrays import Array
 
 FEWEST = 20
 """steps of which something is told"""
+BETWEEN = 2.0
+"""times the median step: one from a group to the next"""
+OFTEN = 0.05
+"""share of the steps that are such, at least"""
 IN_GROUPS = 0.7
 """median over mean step of the stamps, below which the median may be the time between two samples
 of a group, and the period that of all"""
+CLEARLY = 0.5
+"""the same below which it is: two of five samples lost in bursts leave 0.6"""
 
 
-def grouped(stamps: Array) -> bool:
-    """Whether a host may have got the samples in groups."""
+def grouped(stamps: Array, *, clearly: bool = False) -> bool:
+    """Whether a host may have got the samples in groups: not where a few pauses alone are long.
+
+    Args:
+        stamps: shape (m,) [s]; clearly: whether it must be so, no loss of many samples.
+    """
     steps = np.diff(stamps)
-    return len(steps) >= FEWEST and float(np.median(steps)) < IN_GROUPS * float(np.mean(steps))
+    median = float(np.median(steps))
+    often = np.mean(steps > BETWEEN * median) > OFTEN if len(steps) >= FEWEST else False
+    share = CLEARLY if clearly else IN_GROUPS
+    return bool(often) and median < share * float(np.mean(steps))
 
 
 def stamps_apart(stamps: Array) -> Array:

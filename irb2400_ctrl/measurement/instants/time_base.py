@@ -47,6 +47,10 @@ MOTION = 0.02
 """share of a joint's travel that interpolation may miss of what are samples of one motion"""
 DIGIT = 1e-3
 """[rad] that the digits of its angle may add to that"""
+OFF = 0.1
+"""periods that the instants of samples of one motion are off at most, median"""
+NEXT_GROUP = 0.98
+"""quantile of the steps that is one from a group to the next"""
 SURE = 0.1
 """standard error of the slope at most"""
 
@@ -80,6 +84,9 @@ def time_base(log: Log) -> TimeBase:
     by_number = counted(log)
     if by_number is not None:
         return by_number
+    if grouped(stamps, clearly=True):
+        # any fine lattice follows groups of which samples were lost
+        return TimeBase(stamps, float(np.median(np.diff(stamps))), 0.0, 0.0)
     best: tuple[float, Array, float] | None = None
     exact: TimeBase | None = None
     rough_stamps = roughness(log.q, stamps)
@@ -137,6 +144,9 @@ def counted(log: Log) -> TimeBase | None:
     if not told or rough >= SMOOTHER or not _of_one_motion(log.q, even):
         return None
     scatter = float(np.std(log.time - even))
+    # a sample waits for its group and no longer: a clock of another period drifts away
+    if scatter > np.quantile(np.diff(log.time), NEXT_GROUP):
+        return None
     return TimeBase(even, float(step), scatter, _lost(even, step), slope, rebuilt=True)
 
 
@@ -152,7 +162,21 @@ def vouched_for(log: Log) -> bool:
 
 
 def _of_one_motion(q: Array, time: Array) -> bool:
-    return bool((roughness(q, time) <= MOTION * np.ptp(q, axis=0) + DIGIT).all())
+    """Whether interpolation misses little of the motion, and no more where it is fast: noise does
+    not know the speed, an instant that is off does."""
+    if (roughness(q, time) > MOTION * np.ptp(q, axis=0) + DIGIT).any():
+        return False
+    inside = dense(time)
+    missed = np.abs(missed_by(q, time)[inside])
+    steps = np.abs(np.gradient(q, axis=0)[2:-2][inside])
+    off = []
+    for one, step in zip(missed.T, steps.T, strict=True):
+        slow = step <= np.quantile(step, 0.3)
+        fast = step >= np.quantile(step, 0.7)
+        if np.median(step[fast]) > 0.0:
+            beyond = float(np.median(one[fast]) - np.median(one[slow]))
+            off.append(beyond / float(np.median(step[fast])))
+    return not off or float(np.median(off)) < OFF
 
 
 def ungrouped(log: Log) -> Log:
