@@ -43,8 +43,7 @@ def with_guessed_bodies(robot: Robot, logs: Sequence[Log]) -> Robot:
         return robot
     ends = [np.array(link.frame.matrix())[:3, 3] for link in robot.links[1:]]
     ends.append(np.array(robot.flange.matrix())[:3, 3])
-    reach = float(sum(np.linalg.norm(end) for end in ends))
-    unit = _with(robot, ends, reach, 1.0)
+    unit = _with(robot, ends, 1.0)
     model = Model(unit)
     held = 0.0
     measured = 0.0
@@ -56,17 +55,17 @@ def with_guessed_bodies(robot: Robot, logs: Sequence[Log]) -> Robot:
         joint = int(np.argmax(power))
         held += float(np.mean(np.asarray(weight)[:, joint] ** 2))
         measured += float(power[joint])
-    return _with(robot, ends, reach, float(np.sqrt(measured / max(held, 1e-12))))
+    return _with(robot, ends, float(np.sqrt(measured / max(held, 1e-12))))
 
 
-def _with(robot: Robot, ends: Sequence[Array], reach: float, mass: float) -> Robot:
+def _with(robot: Robot, ends: Sequence[Array], mass: float) -> Robot:
     """With the first link of this mass [kg], `ends` of the links in their frames [m]."""
     links = []
     for k, (link, end) in enumerate(zip(robot.links, ends, strict=True)):
         m = mass * LIGHTER**k
-        moment = m * (GYRATION * max(float(np.linalg.norm(end)), SHORTEST * reach)) ** 2
+        moment = m * (GYRATION * max(float(np.linalg.norm(end)), SHORTEST * robot.reach)) ** 2
         x, y, z = (0.5 * end).tolist()
         body = Body(mass_kg=m, com_m=(x, y, z), inertia_kgm2=(moment,) * 3 + (0.0,) * 3)
         links.append(link.model_copy(update={"body": body, "source": "guessed"}))
-    wide = Uncertainty(mass_relative=MASS, com_m=CENTRE * reach, inertia_relative=INERTIA)
+    wide = Uncertainty(mass_relative=MASS, com_m=CENTRE * robot.reach, inertia_relative=INERTIA)
     return robot.model_copy(update={"links": tuple(links), "uncertainty": wide})

@@ -137,7 +137,7 @@ def _identified(robot: Robot, seen: Logs, others: Logs, gains: Gains | None) -> 
     sensed = sensed_load(robot, sound.logs)
     # a placeholder says nothing of the friction that is looked for
     guessed = unknown_bodies(robot)
-    whole = with_guessed_bodies(robot, sound.logs) if guessed else robot
+    whole = with_guessed_bodies(robot, sound.logs)
     stated = whole.with_unknown_friction(sound.other_friction)
     base, kept = fit_base(with_load(with_curves(stated, curves), sensed))
     model = Model(base)

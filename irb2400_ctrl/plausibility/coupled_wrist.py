@@ -28,15 +28,16 @@ def beside_a_coupled_wrist(nominal: Nominal, rows: Rows, best: Fit) -> tuple[Fit
         nominal: the robot as a yardstick; rows: of the log as labelled.
         best: what other readings come to.
     """
-    found = _fit(nominal, rows)
-    if found is None or not explained_beside(found, best):
-        return None
     robot = nominal.robot
-    for reading in (*torque_readings(robot), *motion_readings(robot)):
-        if reading.kind in MIXED_UP and min(reading.joints, default=0) >= FIRST:
-            rival = _fit(nominal, rows.read_as(reading))
-            if rival is not None and rival.cost < found.cost:
-                return None
+    if robot.n <= FIRST:
+        return None
+    found = _fit(nominal, rows)
+    if not explained_beside(found, best):
+        return None
+    readings = (*torque_readings(robot), *motion_readings(robot))
+    mixed_up = (r for r in readings if r.kind in MIXED_UP and min(r.joints, default=0) >= FIRST)
+    if any(_fit(nominal, rows.read_as(r)).cost < found.cost for r in mixed_up):
+        return None
     says = (
         "the model explains the torques beside gears of the wrist, whose axes turn each other's "
         "motors, which the robot file does not have; `irb2400 identify` and `irb2400 diagnose` "
@@ -45,12 +46,10 @@ def beside_a_coupled_wrist(nominal: Nominal, rows: Rows, best: Fit) -> tuple[Fit
     return found, says
 
 
-def _fit(nominal: Nominal, rows: Rows) -> Fit | None:
-    """How rows are explained beside such gears; None of an arm without a wrist."""
+def _fit(nominal: Nominal, rows: Rows) -> Fit:
+    """How rows are explained beside such gears."""
     axes = range(FIRST - 1, nominal.robot.n)
     pairs = [(j, k) for j in axes for k in axes if 0 < abs(j - k) <= FURTHEST]
-    if not pairs:
-        return None
     torques = np.concatenate([_of_the_other(rows, *pair) for pair in pairs], axis=2)
     return nominal.account(rows, nominal.columns(rows), torques).fit
 

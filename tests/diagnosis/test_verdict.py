@@ -14,7 +14,11 @@ def test_what_an_identification_left_as_well_is_not_called_noise() -> None:
     about = {"change": False, "log_problem": None, "verdict": "nothing_missing"}
     found = SimpleNamespace(findings=(), numbers=(), left_as_usual=(5,), **about)
     said = verdict_sentence(cast(Any, found))
-    assert said.endswith("left as well: more than noise on joint 5.")
+    left_too = "on joint 5 more than noise is left, as the identification of this arm left as well."
+    assert said == f"Nothing is missing: {left_too}"
+    found.change = True
+    assert verdict_sentence(cast(Any, found)).endswith(f"since the reference: {left_too}")
+    found.change = False
     found.left_as_usual = ()
     assert verdict_sentence(cast(Any, found)) == VERDICTS["nothing_missing"]
     left: Any = SimpleNamespace(_beyond_floor=[2, 4, 5], much_left=(2,), not_excited=(4,))

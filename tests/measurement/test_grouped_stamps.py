@@ -137,6 +137,15 @@ def test_pauses_of_a_host_that_is_late_now_and_then_stay(pauses: int) -> None:
     assert np.abs(base.time - base.time[0] - time[kept] + time[kept][0]).max() < 2e-3
 
 
+def test_what_is_lost_in_short_bursts_is_no_group() -> None:
+    time, q = waves()
+    lost = np.repeat(np.random.default_rng(4).uniform(size=len(time) // 5) < 0.3, 5)
+    log = Log(time[~lost], q[~lost], 10.0 * q[~lost])
+    steps = np.diff(log.time)
+    assert np.mean(steps > 5.0 * STEP) > 0.05
+    assert log_problem(None, log) is None
+
+
 def test_a_clock_of_another_period_is_none() -> None:
     """Groups and a pause: even instants over all of it would run away from the stamps."""
     time, q = waves()

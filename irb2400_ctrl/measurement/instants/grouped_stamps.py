@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.arrays import Array, Mask
 
 FEWEST = 20
 """steps of which something is told"""
@@ -26,10 +26,22 @@ def grouped(stamps: Array, *, clearly: bool = False) -> bool:
         stamps: shape (m,) [s]; clearly: whether it must be so, no loss of many samples.
     """
     steps = np.diff(stamps)
-    median = float(np.median(steps))
-    often = np.mean(steps > BETWEEN * median) > OFTEN if len(steps) >= FEWEST else False
+    if len(steps) < FEWEST:
+        return False
+    often = np.mean(_between(steps)) > OFTEN
     share = CLEARLY if clearly else IN_GROUPS
-    return bool(often) and median < share * float(np.mean(steps))
+    return bool(often and np.median(steps) < share * np.mean(steps))
+
+
+def apart(stamps: Array) -> tuple[float, float]:
+    """Usual time between two samples of a group, and from a group to the next [s]."""
+    steps = np.diff(stamps)
+    return float(np.median(steps)), float(np.median(steps[_between(steps)]))
+
+
+def _between(steps: Array) -> Mask:
+    """Which steps are from a group to the next."""
+    return np.asarray(steps > BETWEEN * np.median(steps))
 
 
 def stamps_apart(stamps: Array) -> Array:

@@ -79,13 +79,11 @@ class TimeBase:
 def time_base(log: Log) -> TimeBase:
     """The instants of a log's samples: even ones where the angles agree, else the stamps."""
     stamps = log.time
-    if len(stamps) < LEAST:
-        return TimeBase(stamps, float(np.median(np.diff(stamps))), 0.0, 0.0)
     by_number = counted(log)
     if by_number is not None:
         return by_number
-    if grouped(stamps, clearly=True):
-        # any fine lattice follows groups of which samples were lost
+    # any fine lattice follows groups of which samples were lost
+    if len(stamps) < LEAST or grouped(stamps, clearly=True):
         return TimeBase(stamps, float(np.median(np.diff(stamps))), 0.0, 0.0)
     best: tuple[float, Array, float] | None = None
     exact: TimeBase | None = None

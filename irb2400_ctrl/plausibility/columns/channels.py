@@ -7,6 +7,7 @@ from collections.abc import Callable
 import numpy as np
 
 from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.measurement.instants.grouped_stamps import apart, grouped
 from irb2400_ctrl.measurement.log import Log
 from irb2400_ctrl.measurement.log_facts import digit
 from irb2400_ctrl.measurement.motion.held_samples import released
@@ -34,10 +35,6 @@ DAY = 86_400.0
 """[s] that spreadsheets and MATLAB count as one"""
 FASTEST = 20e3
 """[Hz] no arm's log is sampled faster"""
-LATE = 5.0
-"""times the median step: a step between two groups of samples"""
-OFTEN = 0.05
-"""share of the steps that are such: samples that are lost leave fewer"""
 SPARSE = 20.0
 """times a log may be longer than its samples"""
 STAIRS = 0.03
@@ -62,16 +59,13 @@ def channel_problem(log: Log) -> LogProblem | None:
 
 
 def _clock(log: Log) -> LogProblem | None:
-    steps = np.diff(log.time)
-    median = float(np.median(steps))
-    late = steps > LATE * median
-    if np.mean(late) > OFTEN:
+    if grouped(log.time, clearly=True):
+        within, between = (1e3 * seconds for seconds in apart(log.time))
         return LogProblem(
             "clock_groups",
-            f"samples came in groups, {1e3 * median:.3g} ms apart within and "
-            f"{1e3 * float(np.median(steps[late])):.3g} ms between, and the angles do not say when "
-            "they were taken: expected the controller's own time; if no sample is missing, state "
-            "rate_Hz in a column map instead of the time",
+            f"samples came in groups, {within:.3g} ms apart within and {between:.3g} ms between, "
+            "and the angles do not say when they were taken: expected the controller's own time; "
+            "if no sample is missing, state rate_Hz in a column map instead of the time",
             unusable=True,
         )
     if log.rate > FASTEST:

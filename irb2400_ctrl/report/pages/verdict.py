@@ -14,13 +14,11 @@ VERDICTS = {
 }
 LACKS_ONLY = "The file leaves out what most files do (rotors, offsets), and that has a name."
 AT_REST = "What was found fits the joints that moved, and makes wrong what holds those that rest."
-AS_USUAL = (
-    "Nothing is missing beside what the identification of this arm left as well: more than noise "
-    "on {joints}."
-)
+NOISE = "what is left is noise"
+AS_USUAL = "on {joints} more than noise is left, as the identification of this arm left as well"
 CHANGES = {
     "explained": "Something has changed since the reference, and it has a name.",
-    "nothing_missing": "Nothing has changed since the reference: what is left is noise.",
+    "nothing_missing": f"Nothing has changed since the reference: {NOISE}.",
     "unexplained": "Something has changed since the reference that no effect of the library makes.",
 }
 """the same, where the arm itself on another day is the reference"""
@@ -31,21 +29,22 @@ def verdict_sentence(diagnosis: Diagnosis) -> str:
     """The verdict in one sentence."""
     if diagnosis.verdict == "unexplained" and diagnosis.worse_at_rest:
         return AT_REST
-    off = diagnosis.verdict == "nothing_missing" and off_bodies(diagnosis.numbers)
-    if off and not diagnosis.change:
-        return "No law is missing, but inertial numbers of the file are off; what is left is noise."
-    usual = diagnosis.verdict == "nothing_missing" and diagnosis.left_as_usual
+    nothing = diagnosis.verdict == "nothing_missing"
+    usual = nothing and diagnosis.left_as_usual
+    rest = AS_USUAL.format(joints=numbered("joint", usual)) if usual else NOISE
+    if nothing and off_bodies(diagnosis.numbers) and not diagnosis.change:
+        return f"No law is missing, but inertial numbers of the file are off; {rest}."
     if usual and not diagnosis.change:
-        return AS_USUAL.format(joints=numbered("joint", usual))
+        return f"Nothing is missing: {rest}."
     if not diagnosis.change or diagnosis.log_problem is not None:
         special = [f for f in diagnosis.findings if f.list == "special"]
         if diagnosis.verdict == "explained" and not special:
             return LACKS_ONLY
         return VERDICTS[diagnosis.verdict]
     changed = [n for n in diagnosis.numbers if n.list == "changed"]
-    if diagnosis.verdict == "nothing_missing" and changed:
+    if nothing and changed:
         said = f"{len(changed)} numbers" if len(changed) > 1 else "a number"
         return f"No new effect since the reference, but {said} of the arm changed."
-    if diagnosis.before is None and diagnosis.verdict != "nothing_missing":
+    if not nothing and diagnosis.before is None:
         return CHANGES[diagnosis.verdict].replace(*FROM_A_FILE)
-    return CHANGES[diagnosis.verdict]
+    return CHANGES[diagnosis.verdict].replace(NOISE, rest)
