@@ -5,7 +5,7 @@ from __future__ import annotations
 from types import SimpleNamespace
 from typing import Any, cast
 
-from irb2400_ctrl.diagnosis import Diagnosis
+from irb2400_ctrl.diagnosis import Diagnosis, Number
 from irb2400_ctrl.report.pages.verdict import VERDICTS, verdict_sentence
 
 
@@ -19,6 +19,9 @@ def test_what_an_identification_left_as_well_is_not_called_noise() -> None:
     found.change = True
     assert verdict_sentence(cast(Any, found)).endswith(f"since the reference: {left_too}")
     found.change = False
+    found.numbers = (Number("special", "link 3", "mass_kg", 1.0, 2.0, 0.1, 9.0),)
+    assert verdict_sentence(cast(Any, found)).endswith(f"of the file are off; {left_too}")
+    found.numbers = ()
     found.left_as_usual = ()
     assert verdict_sentence(cast(Any, found)) == VERDICTS["nothing_missing"]
     left: Any = SimpleNamespace(_beyond_floor=[2, 4, 5], much_left=(2,), not_excited=(4,))

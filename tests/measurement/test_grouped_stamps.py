@@ -10,7 +10,7 @@ import pytest
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.measurement import Log, read_log
 from irb2400_ctrl.measurement.instants.grouped_stamps import grouped, stamps_apart
-from irb2400_ctrl.measurement.instants.time_base import time_base, ungrouped
+from irb2400_ctrl.measurement.instants.time_base import time_base, ungrouped, vouched_for
 from irb2400_ctrl.measurement.log_facts import log_facts
 from irb2400_ctrl.plausibility import log_problem
 from irb2400_ctrl.plausibility.columns.channels import channel_problem
@@ -137,12 +137,12 @@ def test_pauses_of_a_host_that_is_late_now_and_then_stay(pauses: int) -> None:
     assert np.abs(base.time - base.time[0] - time[kept] + time[kept][0]).max() < 2e-3
 
 
-def test_what_is_lost_in_short_bursts_is_no_group() -> None:
+@pytest.mark.parametrize("share", [0.3, 0.4])
+def test_what_is_lost_in_short_bursts_is_no_group(share: float) -> None:
     time, q = waves()
-    lost = np.repeat(np.random.default_rng(4).uniform(size=len(time) // 5) < 0.3, 5)
+    lost = np.repeat(np.random.default_rng(4).uniform(size=len(time) // 5) < share, 5)
     log = Log(time[~lost], q[~lost], 10.0 * q[~lost])
-    steps = np.diff(log.time)
-    assert np.mean(steps > 5.0 * STEP) > 0.05
+    assert np.mean(np.diff(log.time) > 5.0 * STEP) > 0.05
     assert log_problem(None, log) is None
 
 
@@ -153,6 +153,30 @@ def test_a_clock_of_another_period_is_none() -> None:
     log = Log(arrivals(time[kept], 2e-5), q[kept], q[kept])
     even = ungrouped(log).time
     assert even is log.time or np.abs(even - log.time).max() < 0.1
+
+
+def test_groups_around_pauses_fit_no_fine_lattice() -> None:
+    """One was taken, 40 samples off."""
+    time, q = waves()
+    parts = [time < 5.0, (time > 7.0) & (time < 13.1), time > 14.6]
+    kept = np.any(parts, axis=0)
+    stamps = np.concatenate([arrivals(time[part], 1e-5, k) for k, part in enumerate(parts)])
+    base = time_base(Log(stamps, q[kept], q[kept]))
+    assert np.abs(base.time - time[kept] - np.median(base.time - time[kept])).max() < 0.07
+
+
+def test_losses_on_a_coarse_clock_are_not_vouched_for() -> None:
+    """Even instants were seven samples off, which shows where the joints are fast."""
+    rng = np.random.default_rng(8)
+    time = np.arange(5000) / 500.0
+    waves_of = [2.0 * np.pi * f * time[:, None] + rng.uniform(0, 6, 6) for f in (0.3, 0.6, 0.8)]
+    q = np.round(0.3 * np.sum(np.sin(waves_of), axis=0), 5)
+    kept = rng.uniform(size=len(time)) < 0.7
+    late = rng.normal(scale=2e-4, size=int(kept.sum()))
+    stamps = np.maximum.accumulate(np.round((time[kept] + late) / 0.0156) * 0.0156)
+    log = Log(stamps_apart(stamps), q[kept], q[kept])
+    assert time_base(log).rebuilt
+    assert not vouched_for(log)
 
 
 def test_losses_within_groups_are_no_even_clock() -> None:
