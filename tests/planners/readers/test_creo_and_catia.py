@@ -117,6 +117,22 @@ def test_creo_a_place_on_the_circle_behind_a_whole_turn_is_none_of_the_arc(tmp_p
     assert np.allclose(p[-2:], [[10, 0, 4], [-10, 0, 4]], atol=1e-6)
 
 
+def test_creo_leaves_out_an_axis_along_z(tmp_path: Path) -> None:
+    """Its next feature of three axes was cut with the tool inclined as in the one before."""
+    body = (
+        "MULTAX / ON\nGOTO / 0, 0, 9, 0.6, 0, 0.8\nFEDRAT / 100, MMPM\n"
+        "GOTO / 0, 0, 0, 0.6, 0, 0.8\nGOTO / 9, 0, 0\nGOTO / 9, 5, 0, 0, 0.6, 0.8\n"
+    )
+    found = creo(tmp_path, body)
+    axes = found.operation().path.axis
+    assert axes is not None
+    expected = [[0.6, 0, 0.8], [0.6, 0, 0.8], [0, 0, 1], [0, 0.6, 0.8]]
+    assert np.allclose(axes, expected)
+    assert "points without i,j,k: the tool stands along z" in str(found.of_kind("assumed"))
+    upright = creo(tmp_path, "GOTO / 0, 0, 9\nFEDRAT / 100, MMPM\nGOTO / 0, 0, 0\n")
+    assert "without i,j,k" not in str(upright.of_kind("assumed"))
+
+
 def test_creo_points_of_an_arc_on_lines_of_their_own(tmp_path: Path) -> None:
     body = (
         "GOTO / 10, 0, 4\nCIRCLE / 0, 0, 4, 0, 0, -1, 10\n"

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+import numpy as np
+
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.planners.toolpath.readers.apt import units
 from irb2400_ctrl.planners.toolpath.readers.apt.circles import Circles
@@ -11,6 +14,7 @@ from irb2400_ctrl.planners.toolpath.readers.apt.cycles import hole_cycle, resume
 from irb2400_ctrl.planners.toolpath.readers.apt.nurbs import Nurbs
 from irb2400_ctrl.planners.toolpath.readers.apt.placement import Placement
 from irb2400_ctrl.planners.toolpath.readers.apt.statements import Statement, is_number, number
+from irb2400_ctrl.planners.toolpath.readers.dialect import CREO
 from irb2400_ctrl.planners.toolpath.readers.expansion.drilling import HoleCycle
 from irb2400_ctrl.planners.toolpath.readers.hole_moves import drill
 from irb2400_ctrl.planners.toolpath.readers.program_builder import ProgramBuilder
@@ -80,7 +84,7 @@ class Motion:
 
     def _goto(self, statement: Statement) -> None:
         builder = self._builder
-        position, axis = self._placement.point_and_axis(statement)
+        position, axis = self._point_and_axis(statement)
         rapid = self._take_rapid()
         if self._cycle is not None:
             if rapid:
@@ -91,9 +95,20 @@ class Motion:
         elif not self._circles.goes_on(position, axis, rapid):
             builder.move(position, axis=axis, rapid=rapid)
 
+    def _point_and_axis(self, statement: Statement) -> tuple[Array, Array | None]:
+        """x,y,z or x,y,z,i,j,k of a statement. Creo leaves i,j,k out where the tool stands along z
+        (PTC's help, "CL Output for Circular Interpolation"); elsewhere the last one holds."""
+        position, axis = self._placement.point_and_axis(statement)
+        if axis is None and self._dialect == CREO:
+            upright = self._placement.direction([0.0, 0.0, 1.0])
+            if not np.allclose(upright, self._builder.axis):
+                self._builder.assume("points without i,j,k: the tool stands along z (Creo)")
+                axis = upright
+        return position, axis
+
     def _from(self, statement: Statement) -> None:
         self._circles.none_open()
-        position, axis = self._placement.point_and_axis(statement)
+        position, axis = self._point_and_axis(statement)
         self._builder.start(position, axis)
 
     def _delta(self, statement: Statement) -> None:
@@ -116,7 +131,7 @@ class Motion:
         builder = self._builder
         self._rapid = False
         if statement.arguments:
-            position, axis = self._placement.point_and_axis(statement)
+            position, axis = self._point_and_axis(statement)
             builder.move(position, axis=axis, rapid=True)
         else:
             builder.leave()
