@@ -77,6 +77,15 @@ def test_a_surface_speed_makes_the_spindle_speed(tmp_path: Path) -> None:
     assert np.isclose(feed(tmp_path, *words), 1000 * 0.1e-3 / 60)
 
 
+@pytest.mark.parametrize(("most", "rpm"), [("600", 600), ("3000", 1000), ("0", 1000)])
+def test_a_surface_speed_ends_at_the_largest_of_the_spindle(
+    tmp_path: Path, most: str, rpm: float
+) -> None:
+    spindle = f"SPINDL/62.8318530718,SMM,CLW,MAXRPM,{most}"
+    words = ("UNITS/MM", "CUTTER/20", spindle, "FEDRAT/0.1,MMPR")
+    assert np.isclose(feed(tmp_path, *words), rpm * 0.1e-3 / 60)
+
+
 @pytest.mark.parametrize("place", ["start", "middle", "end"])
 def test_units_stated_once_hold_for_the_whole_file(tmp_path: Path, place: str) -> None:
     lines = {"start": 0, "middle": 1, "end": 2}

@@ -137,8 +137,16 @@ def spindle(
         if diameter is None or diameter <= 0:
             return None
         surface = numbers[0] * (FOOT if "SFM" in words else 1.0) / 60
-        return Spindle(2 * surface / diameter, clockwise)
+        return Spindle(min(2 * surface / diameter, _most(statement)), clockwise)
     return Spindle(2 * math.pi * numbers[0] / 60, clockwise)
+
+
+def _most(statement: Statement) -> float:
+    """MAXRPM,n: the speed [rad/s] that a surface speed does not exceed; 0 is none."""
+    words = [argument.upper() for argument in statement.arguments]
+    behind = words[words.index("MAXRPM") + 1 :][:1] if "MAXRPM" in words else []
+    rpm = number(behind[0], "SPINDL") if behind and is_number(behind[0]) else 0.0
+    return 2 * math.pi * rpm / 60 if rpm > 0 else math.inf
 
 
 def _speeds(statement: Statement) -> list[float]:
