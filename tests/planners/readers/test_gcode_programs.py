@@ -202,6 +202,15 @@ def test_names_that_a_siemens_program_defines(tmp_path: Path) -> None:
         program(tmp_path, f"{head}G0 X0 Y0 Z30\nG1 X=_OTHER F60\n")
 
 
+@pytest.mark.parametrize("block", [":30 T1 M6", ":0030 T1 M6", " :30T1M6", "/:30 T1 M6"])
+def test_a_main_block_is_a_line_like_others(tmp_path: Path, block: str) -> None:
+    """Posts of NX write it at each change of tool."""
+    text = f"%\n:1001\nN10 G21 G90\n{block}\nN40 G0 X0 Y0 Z5\n:50 G1 Z-1 F100\nM2\n"
+    operation = program(tmp_path, text).operation()
+    assert operation.tool.number == 1
+    assert np.allclose(1e3 * operation.path.position, [[0, 0, 5], [0, 0, -1]])
+
+
 def test_a_second_program_behind_the_end_is_said(tmp_path: Path) -> None:
     first = f"%\nO1\n{HEAD}X9.\nM30\n"
     read = program(tmp_path, f"{first}O2\nT2 M6\nG0 X5.\nG1 Y7.\nM30\n%\n")

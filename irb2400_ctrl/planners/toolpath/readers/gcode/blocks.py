@@ -93,6 +93,8 @@ REWRITTEN = (
     # smoothing: G187 P3 E.01 (Haas), G61.1 ,A1 (Mazak)
     (re.compile(r"(\bG187\b[^;(]*?)\s*E\s*[\d.]+", re.IGNORECASE), r"\1"),
     (re.compile(r"(\bG61\.1)\s*,\s*[A-Z]\s*\d+", re.IGNORECASE), r"\1"),
+    # a main block (ISO 6983; posts of NX write it at a change of tool): :30 T1 M6
+    (re.compile(r"^(\s*/?)\s*:\s*\d+(?=\s*[A-Z])", re.IGNORECASE), r"\1"),
     # axes that go home (3D printers): G28 X Y
     (re.compile(r"(\bG28)(?:\s*[XYZ](?!\s*[-+.\d=\[#]))+", re.IGNORECASE), r"\1"),
     # the head of a sub-program without arguments, and its declaration (Siemens)
