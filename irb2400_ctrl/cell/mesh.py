@@ -117,5 +117,5 @@ def _look_at_size(mesh: Mesh, path: Path, size: float) -> None:
         raise InputError(
             f"mesh {path}: found a thing of {1e3 * size:.3g} mm, taken for millimetres because no "
             f"unit is stated, expected {1e3 * SMALLEST_UNSTATED:g} mm or more; STL knows no unit: "
-            'write unit = "m" beside its file, or unit = "mm" where it is so small'
+            'write unit = "inch" or "m" beside its file, or unit = "mm" where it is so small'
         )

@@ -83,9 +83,10 @@ def _not_triangles(path: Path) -> str:
         return ""
     count = int.from_bytes(head[-4:], "little")
     stated = _STL_HEAD + _STL_TRIANGLE * count
-    if size >= stated:
+    if size == stated:
         return ""
+    wrong = "cut short" if size < stated else "a count that is wrong, or bytes behind its end"
     return (
         f"found {size:,} bytes, expected {stated:,} of a binary STL file of the {count:,} "
-        "triangles that its head states: cut short, or another kind of file"
+        f"triangles that its head states: {wrong}, or another kind of file; export it anew"
     )

@@ -69,7 +69,7 @@ def test_another_unit_is_asked_about(tmp_path: Path, scale: float, unit: str, si
 def test_a_wall_in_metres_is_no_speck(tmp_path: Path) -> None:
     """Without a unit it would be 3 mm large, and nothing would ever touch it."""
     wall = stl(CORNERS * 0.03)
-    with pytest.raises(InputError, match=r"a thing of 3 mm, taken for.*write unit"):
+    with pytest.raises(InputError, match=r"a thing of 3 mm, taken for.*write unit = .inch. or"):
         cell_pieces(load_cell(cell_with(tmp_path, wall)))
     (pin,) = cell_pieces(load_cell(cell_with(tmp_path, wall, unit="mm")))
     assert 2e3 * pin.half_size()[0] == pytest.approx(3.0, rel=1e-5)
@@ -97,6 +97,14 @@ def test_corners_that_are_no_numbers_are_refused(tmp_path: Path) -> None:
 def test_a_file_cut_short_says_how_much_is_missing(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="found 400 bytes, expected 684 of a binary STL file"):
         cell_pieces(load_cell(cell_with(tmp_path, stl(CORNERS)[:400])))
+
+
+@pytest.mark.parametrize("tail", [b"\0" * 37, stl(CORNERS)[84:]])
+def test_bytes_behind_the_last_triangle_are_named(tmp_path: Path, tail: bytes) -> None:
+    """It was said that there are no triangles."""
+    says = "found [0-9,]+ bytes, expected 684 .*: a count that is wrong, or bytes behind its end"
+    with pytest.raises(InputError, match=says):
+        cell_pieces(load_cell(cell_with(tmp_path, stl(CORNERS) + tail)))
 
 
 @pytest.mark.parametrize("name", ["part.step", "part.STP", "part.igs"])
