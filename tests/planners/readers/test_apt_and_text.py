@@ -35,6 +35,24 @@ def test_encodings_and_ends_of_lines(tmp_path: Path, encoding: str, end: str) ->
     assert list(operation.line) == [3, 5]
 
 
+@pytest.mark.parametrize(
+    ("before", "behind"),
+    [
+        (b"\0" * 200, b"\0" * 200),
+        (b"\x12\r\n", b"\x14\r\n"),
+        (b"\x11", b"\x13"),
+        (b"", b"\x1a" * 9),
+    ],
+)
+def test_what_a_serial_line_leaves_around_the_text(
+    tmp_path: Path, before: bytes, behind: bytes
+) -> None:
+    """A leader of a punched tape, the reader switched on and off."""
+    file = tmp_path / "part.nc"
+    file.write_bytes(before + b"%\r\nG21 G90\r\nG0 X1 Y2 Z3\r\nG1 X5 F60\r\n%\r\n" + behind)
+    assert np.allclose(1e3 * read_path(file).position, [[1, 2, 3], [5, 2, 3]])
+
+
 def test_binary_files_are_no_text(tmp_path: Path) -> None:
     file = tmp_path / "part.cl"
     file.write_bytes(bytes(range(1, 32)) * 100)

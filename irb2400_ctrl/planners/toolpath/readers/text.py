@@ -9,6 +9,8 @@ from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.reading import refuse_stand_in
 
 LARGEST = 200_000_000
+# around the text of what was sent over a serial line, or punched: leader, reader on and off, end
+TAPE = "\x00\x11\x12\x13\x14\x1a\x7f"
 BOMS = (
     (codecs.BOM_UTF8, "utf-8-sig"),
     (codecs.BOM_UTF32_LE, "utf-32"),
@@ -36,7 +38,7 @@ def read_text(path: Path) -> str:
     if size > LARGEST:
         raise InputError(f"{path} has {size / 1e6:.0f} MB, expected at most 200; split the file")
     text = decode(path.read_bytes(), str(path))
-    return text.replace("\r\n", "\n").replace("\r", "\n").removesuffix("\x1a")
+    return text.replace("\r\n", "\n").replace("\r", "\n")
 
 
 def decode(data: bytes, name: str) -> str:
@@ -45,8 +47,9 @@ def decode(data: bytes, name: str) -> str:
         text = data.decode(_encoding(data), errors="strict")
     except UnicodeDecodeError as error:
         raise InputError(f"{name} is not text: {error}; expected a text file") from error
+    text = text.lstrip(TAPE).rstrip(f"{TAPE}\r\n")
     control = sum(character < " " and character not in "\t\n\r\f\v\x1a" for character in text)
-    # a punched tape's leader is a few such characters, a binary file is full of them
+    # a few may have come in on the way, a binary file is full of them
     if control > 0.01 * len(text) + 2:
         raise InputError(
             f"{name} is not text: found {control} control characters; expected a text file "
@@ -59,7 +62,9 @@ def _encoding(data: bytes) -> str:
     for mark, encoding in BOMS:
         if data.startswith(mark):
             return encoding
-    head = data[:2000]
+    # of a leader of zero bytes whole pairs are left out: UTF-16 may begin with one
+    leader = (len(data) - len(data.lstrip(b"\0"))) // 2 * 2
+    head = data[leader : leader + 2000].rstrip(b"\0")
     if len(head) >= 4 and head[1::2].count(0) > 0.4 * len(head) / 2:
         return "utf-16-le"
     if len(head) >= 4 and head[0::2].count(0) > 0.4 * len(head) / 2:
