@@ -144,5 +144,6 @@ def motion_for(name: str) -> str:
         "load": f"slow runs of joint {joint} both ways, with the arm folded and stretched",
         "coupling": f"joint {joint} and the next, first one at a time, then both",
         "far_coupling": f"joint {joint} and the next but one, first one at a time, then both",
+        "motor": f"joint {joint} and those before it, first one at a time, then all",
         "balancer": f"slow turns of joint {joint} through all of its range",
     }.get(what, f"fast reversals of joint {joint}")

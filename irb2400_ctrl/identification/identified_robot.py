@@ -21,6 +21,7 @@ REFITTED = (
     "coupled_friction",
     "acceleration_reading",
     "load_friction",
+    "geared_motor",
     "torque_gain",
 )
 """kinds of effects of a file that a fit replaces by its own, as it does a delay of all torques"""
@@ -133,6 +134,19 @@ def _extra_effects(extra: Extra, numbers: Sequence[float] | Array) -> list[Effec
                 torque_Nm=math.hypot(sine, cosine),
                 neutral_rad=math.atan2(-cosine, sine),
                 free_ratio=0.0,
+                source="identified",
+            )
+        ]
+    if extra.kind == "motor":
+        inertia, viscous, dry = values
+        return [
+            LIBRARY["geared_motor"].of(
+                joint,
+                ratio=extra.ratios[0],
+                far_ratio=extra.ratios[1],
+                inertia_kgm2=inertia,
+                viscous_Nms_rad=viscous,
+                coulomb_Nm=dry,
                 source="identified",
             )
         ]

@@ -163,6 +163,7 @@ def notes_of(
     kinds = {
         "coupling": "moves with the next joint (gears of a wrist)",
         "far_coupling": "moves with the next joint but one (gears of a wrist)",
+        "motor": "has a motor that the axes before it turn along (gears of a wrist)",
         "balancer": "has a balancer that the file does not name",
         "reading": "reads its torque without part of what accelerates it",
         "stribeck": "has more friction at low speed than the file says",

@@ -32,6 +32,7 @@ FIELDS: dict[str, dict[str, Any]] = {
     "gear_ripple": {"joint": 4, "amplitude_Nm": 3.0, "order": 37.0, "phase_rad": 0.4},
     "far_wrist_coupling": {"joint": 4, "inertia_kgm2": 0.1, "viscous_Nms_rad": 0.3},
     "coupled_friction": {"joint": 4, "here_Nm": 0.6, "neighbour_Nm": 0.4},
+    "geared_motor": {"joint": 6, "ratio": 0.8, "far_ratio": -0.3, "coulomb_Nm": 1.5},
     "hysteresis": {"joint": 5, "amplitude_Nm": 4.0, "width_rad": 0.02},
     "link_inertia": {"joint": 2, "mass_kg": 8.0, "com_m": (0.3, 0.1, -0.05)},
     "linkage_inertia": {"joint": 3, "inertia_kgm2": 1.5, "moment_kgm": 2.0},

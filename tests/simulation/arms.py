@@ -22,6 +22,7 @@ FORCE_EFFECTS = (
     ("wrist_coupling", 4, {"inertia_kgm2": 0.05, "viscous_Nms_rad": 0.5}),
     ("far_wrist_coupling", 4, {"inertia_kgm2": 0.03, "viscous_Nms_rad": 0.4}),
     ("coupled_friction", 5, {"here_Nm": 3.0, "neighbour_Nm": -2.0}),
+    ("geared_motor", 6, {"ratio": -1.0, "inertia_kgm2": 0.05, "coulomb_Nm": 3.0}),
     ("base_tilt", None, {"tilt_x_rad": 0.01, "tilt_y_rad": -0.02}),
     ("process_force", None, {"force_x_N": 40.0, "force_z_N": -60.0}),
     ("linkage_inertia", 3, {"inertia_kgm2": 1.0, "moment_kgm": 2.0}),

@@ -57,10 +57,17 @@ class Choice:
     whole: ColumnLayout
 
     def extras(self) -> tuple[Extra, ...]:
+        """Those that leave less unseen: with motors that other axes turn among them, or without,
+        where couplings are what such gears look like."""
+        usual = candidates(self.base.layout.n)
+        motors = [extra for extra in self.whole.extras if extra.kind == "motor"]
+        without = self._among([*usual])
+        with_motors = self._among([*usual, *motors]) if motors else without
+        return min(without, with_motors, key=_all_left).layout.extras
+
+    def _among(self, open_ones: list[Extra]) -> _Trial:
         """One after another, the best first, while one is clear and gains unseen."""
-        n = self.base.layout.n
         chosen: tuple[Extra, ...] = ()
-        open_ones = list(candidates(n))
         now = self._tried(())
         while open_ones:
             trials = {extra: self._tried((*chosen, extra)) for extra in open_ones}
@@ -73,7 +80,7 @@ class Choice:
                 and self._shown(extra, trials[extra], now)
             ]
             if not good:
-                return chosen
+                break
             best = max(good, key=lambda extra: trials[extra].evidence)
             # what is less probable now hardly becomes clear later
             open_ones = [
@@ -83,7 +90,7 @@ class Choice:
             ]
             now = trials[best]
             chosen = (*chosen, best)
-        return chosen
+        return now
 
     def _shown(self, extra: Extra, trial: _Trial, now: _Trial) -> bool:
         """Whether the logs show an extra clearly.
@@ -163,6 +170,11 @@ class _Trial:
     evidence: float
     left: Array
     possible: bool
+
+
+def _all_left(trial: _Trial) -> float:
+    """Log of what is left unseen, the joints' sum."""
+    return float(np.log(np.maximum(trial.left, NOTHING)).sum())
 
 
 def _may_be(extra: Extra, chosen: Sequence[Extra]) -> bool:

@@ -34,14 +34,18 @@ EXTRA_COLUMNS = {
     "load": ("load sgn qd",),
     "reading": ("-qdd",),
     "zero": ("d torque / d angle",),
+    "motor": ("motor acceleration", "motor speed", "motor sign"),
 }
-"""kinds of extras and their columns; those of a coupling act on this joint and on the other, that
-of a zero on every joint"""
+"""kinds of extras and their columns; those of a coupling act on this joint and on the other, those
+of a motor on the axes that turn it, that of a zero on every joint"""
 
 States = tuple[Array, Array, Array]
 
 SLOPE_STEP = 1e-4
 """[rad] either way, over which the torque of the bodies is differentiated"""
+
+FELT = 0.1
+"""turns of a motor with another axis, per turn of its own, at which that axis feels it"""
 
 EXPONENT = 0.5
 """of friction that grows less than in proportion to speed; beside Coulomb's and the viscous part,
@@ -54,10 +58,13 @@ class Extra:
 
     Args:
         kind: of `EXTRA_COLUMNS`; joint: from 1; a coupling joins it and one further on.
+        ratios: of a motor, how far the axis before and the one before that turn it, per turn of
+            its own.
     """
 
     kind: str
     joint: int
+    ratios: tuple[float, float] = (0.0, 0.0)
 
     @property
     def size(self) -> int:
@@ -68,7 +75,16 @@ class Extra:
     def touches(self) -> tuple[int, ...]:
         """Zero-based joints whose torque it changes."""
         here = self.joint - 1
+        if self.kind == "motor":
+            return tuple(k for k, ratio in self.turns if abs(ratio) > FELT)
         return (here, here + COUPLED[self.kind].along()) if self.kind in COUPLED else (here,)
+
+    @property
+    def turns(self) -> list[tuple[int, float]]:
+        """(zero-based joint, turns of the motor per turn of it) of a motor."""
+        here = self.joint - 1
+        far = [(here - k, ratio) for k, ratio in enumerate(self.ratios, 1) if ratio]
+        return [(here, 1.0), *far]
 
 
 @dataclass(frozen=True)
@@ -206,8 +222,29 @@ def _drive_signals(
             for joint in range(layout.n):
                 yield first, joint, slope[:, joint]
             continue
+        if extra.kind == "motor":
+            for place, joint, one in motor_signals(extra, qd, states[2]):
+                yield first + place, joint, one
+            continue
         for place, (joint, one) in enumerate(_extra_signals(model, extra, states, load)):
             yield first + place, joint, one
+
+
+def motor_signals(extra: Extra, qd: Array, qdd: Array) -> Iterator[tuple[int, int, Array]]:
+    """(column, zero-based joint, signal (m,)) of a motor that other axes turn, less what it is of
+    its own axis alone, as the columns of that drive have it.
+
+    Args:
+        extra: with its ratios; qd, qdd: [rad/s], [rad/s2], shape (m, n).
+    """
+    speed, acceleration = (
+        np.asarray(sum(ratio * signal[:, k] for k, ratio in extra.turns)) for signal in (qd, qdd)
+    )
+    j = extra.joint - 1
+    alone = (qdd[:, j], qd[:, j], np.sign(qd[:, j]))
+    for place, signal in enumerate((acceleration, speed, np.sign(speed))):
+        for k, ratio in extra.turns:
+            yield place, k, ratio * signal - alone[place] if k == j else ratio * signal
 
 
 def _slope(model: Model, bodies: Sequence[float], states: States, j: int) -> Array:

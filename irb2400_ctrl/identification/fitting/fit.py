@@ -14,6 +14,7 @@ from irb2400_ctrl.identification.fitting.columns import ColumnLayout, Extra
 from irb2400_ctrl.identification.fitting.cross_validation import FOLDS, unseen_rms
 from irb2400_ctrl.identification.fitting.estimate import Estimate, FitProblem
 from irb2400_ctrl.identification.fitting.fitted import Fit
+from irb2400_ctrl.identification.fitting.geared_motors import geared_motors, refined
 from irb2400_ctrl.identification.fitting.moments import (
     Moments,
     Recording,
@@ -35,6 +36,8 @@ NEGATIVE = 3.0
 """standard errors below zero at which a rotor is none: its drive does not read what accelerates"""
 LIKE = 1.0
 """and the same of the others, once one drive is known to read so: drives are alike"""
+REFINED = 2
+"""times that the ratios of motors are moved beside the fit"""
 IN_MOTION = (2.0, 0.6)
 """standard errors below zero, and share of what all samples say, of such a rotor where the joint is
 fast: friction that is late to turn looks like one at reversals alone"""
@@ -47,7 +50,8 @@ def fit(model: Model, parts: Sequence[Recording]) -> Fit:
     bare = _fitted_to(model, parts, ColumnLayout(n))
     # what such friction adds moves the bodies too little for the gears to carry another torque
     pressing = tuple(bare.theta[: bare.layout.inertial].tolist())
-    whole = ColumnLayout(n, (*candidates(n), *readings), pressing)
+    motors = geared_motors(model, parts, bare)
+    whole = ColumnLayout(n, (*candidates(n), *motors, *readings), pressing)
     sums = moments(model, whole, parts)
     prior = prior_of(model.robot, whole, scale_of(parts))
 
@@ -61,6 +65,14 @@ def fit(model: Model, parts: Sequence[Recording]) -> Fit:
     }
     chosen = Choice(bare, sums.gathered(FOLDS), beyond, prior, whole).extras()
     found = of(chosen) if chosen else bare
+    for _ in range(REFINED):
+        moved = dict(zip(chosen, refined(model, parts, found), strict=True))
+        if all(extra == as_moved for extra, as_moved in moved.items()):
+            break
+        chosen = tuple(moved.values())
+        whole = replace(whole, extras=tuple(moved.get(extra, extra) for extra in whole.extras))
+        sums = moments(model, whole, parts)
+        found = of(chosen)
     places = found.layout.within(whole)
     unread = _unread(found, lambda: beyond["power"]().part(places))
     if len(unread):

@@ -138,6 +138,10 @@ def _extra_widths(extra: Extra, wide: Array, speed: Array, acceleration: Array) 
         pairs = ((j, k), (k, j))
         sizes = (acceleration, speed, np.ones_like(speed))
         return np.array([wide[on] / size[by] for size in sizes for on, by in pairs])
+    if extra.kind == "motor":
+        fast = max(speed[k] for k in extra.touches)
+        quick = max(acceleration[k] for k in extra.touches)
+        return np.asarray(wide[j] / np.array([quick, fast, 1.0]))
     if extra.kind == "reading":
         return np.array([wide[j] / acceleration[j]])
     if extra.kind == "load":

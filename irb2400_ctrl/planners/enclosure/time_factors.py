@@ -2,7 +2,7 @@
 
 Time counts from an instant that the timing does not know: the factors are bounded over all times.
 What the speeds of other joints do to one, within bounds whatever they are (a neighbour's dry
-friction), may be taken apart in the same way.
+friction, that of a motor which both turn), may be taken apart in the same way.
 """
 
 from __future__ import annotations
@@ -49,7 +49,8 @@ class _TimedParts(Algebra[Timed]):
 
     expected = "a force that depends on the time must be bounded over all times"
 
-    def __init__(self) -> None:
+    def __init__(self, others: ca.SX | None = None) -> None:
+        self.others = ca.SX(0, 1) if others is None else others
         self.factors: list[ca.SX] = []
         self.low: list[float] = []
         self.high: list[float] = []
@@ -65,6 +66,8 @@ class _TimedParts(Algebra[Timed]):
         def apply(*operands: Timed) -> Timed:
             ranges = [r for _, r in operands if r is not None]
             if len(ranges) < len(operands):
+                if op == ca.OP_SIGN and ca.depends_on(operands[0][0], self.others):
+                    return ca.sign(operands[0][0]), (np.array([-1.0]), np.array([1.0]))
                 return _operation(op, [self.apart(o) for o in operands]), None
             if bounds is None:
                 raise NoRule(op)
@@ -101,7 +104,7 @@ def lifted(tau: ca.SX, s: ArmSignals, others: bool = False) -> Lifted:
     if not others and not ca.depends_on(tau, s.time):
         return Lifted(tau, ca.SX(0, 1), np.empty(0), np.empty(0))
     inputs = list(ca.vertsplit(ca.vertcat(*ca.symvar(tau))))
-    parts = _TimedParts()
+    parts = _TimedParts(s.qd if others else None)
     rows = []
     clock = {s.time.element_hash(): (_TIMES[:-1], _TIMES[1:])}
     for j, torque in enumerate(ca.vertsplit(tau) if others else [tau]):
