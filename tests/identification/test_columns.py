@@ -125,21 +125,34 @@ def test_a_far_coupling_is_taken_on_only_beside_one_of_neighbours() -> None:
     assert motion_for("load_2 load sgn qd").startswith("slow runs of joint 2 both ways")
 
 
+def chosen(*motors: Extra, left_by_motors: float = 1.0, **worth: float) -> list[str]:
+    """What a choice takes on of extras that are worth so much [nats]."""
+
+    class Told(Choice):
+        def _tried(self, extras: Any) -> Any:
+            gained = sum(worth.get(f"{e.kind}_{e.joint}", -1.0) for e in extras)
+            left = left_by_motors if set(motors) & set(extras) else 1.0
+            layout = SimpleNamespace(extras=extras)
+            return SimpleNamespace(
+                evidence=gained, possible=True, layout=layout, left=np.array([left])
+            )
+
+        def _shown(self, extra: Any, trial: Any, now: Any) -> bool:
+            return True
+
+    nothing: Any = None
+    base: Any = SimpleNamespace(layout=SimpleNamespace(n=6))
+    told = Told(base, nothing, nothing, nothing, ColumnLayout(6, motors))
+    return [f"{e.kind}_{e.joint}" for e in told.extras()]
+
+
+@pytest.mark.parametrize(("left", "expected"), [(0.9, "motor_6"), (1.1, "coupling_5")])
+def test_motors_are_chosen_where_they_leave_less_than_couplings(left: float, expected: str) -> None:
+    motor = Extra("motor", 6, (0.5, 0.0))
+    assert chosen(motor, left_by_motors=left, motor_6=30.0, coupling_5=20.0)[0] == expected
+
+
 def test_the_choice_asks_what_may_be() -> None:
-    def chosen(**worth: float) -> list[str]:
-        class Told(Choice):
-            def _tried(self, extras: Any) -> Any:
-                gained = sum(worth.get(f"{e.kind}_{e.joint}", -1.0) for e in extras)
-                return SimpleNamespace(evidence=gained, possible=True)
-
-            def _shown(self, extra: Any, trial: Any, now: Any) -> bool:
-                return True
-
-        nothing: Any = None
-        base: Any = SimpleNamespace(layout=SimpleNamespace(n=6))
-        told = Told(base, nothing, nothing, nothing, nothing)
-        return [f"{e.kind}_{e.joint}" for e in told.extras()]
-
     assert chosen(far_coupling_4=50.0) == []
     assert chosen(far_coupling_4=50.0, coupling_5=20.0) == ["coupling_5", "far_coupling_4"]
     assert chosen(far_coupling_4=5.0, coupling_5=20.0) == ["coupling_5", "far_coupling_4"]
