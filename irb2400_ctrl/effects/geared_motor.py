@@ -49,17 +49,20 @@ class GearedMotor(Effect):
 
     def basis(self, s: Signals) -> ca.SX:
         j = self.index
-        columns = ca.SX(s.q.numel(), 3)
-        turns = [(j, 1.0), (j - 1, self.ratio), (j - 2, self.far_ratio)]
-        speed = sum(r * s.qd[k] for k, r in turns)
-        acceleration = sum(r * s.qdd[k] for k, r in turns)
-        together = (acceleration, speed, ca.sign(speed))
+        turns = ca.vertcat(*self.turns(s.q.numel()))
+        speed = ca.dot(turns, s.qd)
+        together = (ca.dot(turns, s.qdd), speed, ca.sign(speed))
         alone = (s.qdd[j], s.qd[j], s.sign[j])
-        for column, (with_others, of_its_own) in enumerate(zip(together, alone, strict=True)):
-            for k, r in turns:
-                columns[k, column] = r * with_others
-            columns[j, column] -= of_its_own
+        columns = ca.horzcat(*(turns * signal for signal in together))
+        for column, signal in enumerate(alone):
+            columns[j, column] -= signal
         return columns
+
+    def turns(self, n: int) -> tuple[Any, ...]:
+        """e, turns of the motor per turn of each of n joints."""
+        j = self.index
+        by = {j: 1.0, j - 1: self.ratio, j - 2: self.far_ratio}
+        return tuple(by.get(k, 0.0) for k in range(n))
 
     @classmethod
     def grid(cls, joint: int | None) -> list[dict[str, float]]:

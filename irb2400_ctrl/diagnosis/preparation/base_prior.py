@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from irb2400_ctrl.arrays import Array, Integers, rms
+from irb2400_ctrl.diagnosis.preparation.turned_motors import TurnedMotors
 from irb2400_ctrl.measurement.prepared_log import PreparedLog
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.model.base_parameters import with_masses
@@ -190,7 +191,14 @@ class BasePrior:
             )
         ):
             columns[:, joints, 10 * len(slopes) + kind * n + joints] = signal * size
+        friction = columns[:, :, -3 * n :]
+        for kind, j, torque in self._motors.columns(motion.qd):
+            friction[:, :, kind * n + j] += torque * self.sigmas()[(kind - 3) * n + j]
         return columns
+
+    @cached_property
+    def _motors(self) -> TurnedMotors:
+        return TurnedMotors.of(self.robot)
 
     @cached_property
     def _body_slopes(self) -> list[Array]:
@@ -270,9 +278,10 @@ class BasePrior:
             for link, b in zip(robot.links, bodies[:n], strict=True)
         ]
         tool = None if robot.tool is None else robot.tool.model_copy(update={"body": bodies[n]})
-        return robot.model_copy(
+        found = robot.model_copy(
             update={"links": tuple(links), "joints": tuple(joints), "tool": tool}
         )
+        return self._motors.updated(found, coulomb, viscous)
 
 
 def _body_of(phi: Array, body: Body, change: Array) -> Body:
