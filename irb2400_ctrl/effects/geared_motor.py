@@ -53,7 +53,7 @@ class GearedMotor(Effect):
         speed = ca.dot(turns, s.qd)
         together = (ca.dot(turns, s.qdd), speed, ca.sign(speed))
         alone = (s.qdd[j], s.qd[j], s.sign[j])
-        columns = ca.horzcat(*(turns * signal for signal in together))
+        columns: ca.SX = ca.horzcat(*(turns * signal for signal in together))
         for column, signal in enumerate(alone):
             columns[j, column] -= signal
         return columns
