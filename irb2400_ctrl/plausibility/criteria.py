@@ -19,6 +19,10 @@ MARGIN = 30.0
 """twice the log evidence by which another reading must be better"""
 SHARE = 0.2
 """and over the cost of the reading before it"""
+HARDER = 1.3
+"""times what is left of a joint's torque, and at least"""
+CRUDE = 0.1
+"""of it, that a crude model leaves as well"""
 HALF = 0.5
 """of what is left, joint by joint in its own size, is the most that it may leave"""
 ALIKE = 0.9
@@ -104,6 +108,17 @@ def for_one_joint(one: Fit, other: Fit) -> bool:
     most = int(np.argmax(other.left - one.left))
     left = [np.sum(np.delete(fit.left, most) ** 2) for fit in (one, other)]
     return bool(HALF * left[0] > left[1])
+
+
+def at_others_cost(reading: Reading, found: Fit, other: Fit) -> bool:
+    """Whether a reading explains one joint and another's torque worse: no column that is read
+    rightly makes a torque harder to explain.
+
+    Args:
+        reading: that one; found: its fit; other: that without it.
+    """
+    harder = found.left > np.maximum(HARDER * other.left, CRUDE)
+    return behind(reading, found, other) or for_one_joint(found, other) or bool(harder.any())
 
 
 def behind(reading: Reading, found: Fit, other: Fit) -> bool:

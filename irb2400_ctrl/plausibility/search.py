@@ -17,9 +17,8 @@ from irb2400_ctrl.plausibility.criteria import (
     FITS_PRICE,
     MARGIN,
     PUSHED,
-    behind,
+    at_others_cost,
     clearly_better,
-    for_one_joint,
     lost,
     nearly,
     only_one_off,
@@ -289,8 +288,7 @@ class _Search:
         if gain < SHARP_GAIN * robot.n / 6.0:
             return None
         found = self.fit(best)
-        own = behind(best, found, labelled) or for_one_joint(found, labelled)
-        return None if own else (best, found)
+        return None if at_others_cost(best, found, labelled) else (best, found)
 
     def sharp_cost(self, reading: Reading, misfits: tuple[float, ...] = MISFITS) -> float:
         """Cost of a reading with the misfit that it supports; infinite where nothing is left."""

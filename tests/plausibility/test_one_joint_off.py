@@ -16,6 +16,7 @@ from irb2400_ctrl.measurement import Log
 from irb2400_ctrl.plausibility import search
 from irb2400_ctrl.plausibility.criteria import (
     SOUND_LEFT,
+    at_others_cost,
     clearly_better,
     for_one_joint,
     only_one_off,
@@ -23,7 +24,7 @@ from irb2400_ctrl.plausibility.criteria import (
 from irb2400_ctrl.plausibility.evidence import Fit
 from irb2400_ctrl.plausibility.log_check import check_log, log_problem
 from irb2400_ctrl.plausibility.problem import LogProblem
-from irb2400_ctrl.plausibility.reading import motion_readings
+from irb2400_ctrl.plausibility.reading import as_labelled, motion_readings
 from irb2400_ctrl.plausibility.rows import rows_of
 from irb2400_ctrl.plausibility.search import understand
 from irb2400_ctrl.robot import load_robot
@@ -126,12 +127,27 @@ def test_a_reading_that_explains_one_joint_alone_is_none() -> None:
     assert not for_one_joint(left(0.02, 0.02, 0.02, 0.02), labelled)
 
 
+def test_a_reading_that_makes_another_torque_harder_to_explain_is_none() -> None:
+    """Axis 6 turned over made up for what axis 4 had of the torque of motor 5."""
+    turned = replace(as_labelled(6), kind="axis_sign", joints=(6,))
+
+    def left(fourth: float, last: float) -> Fit:
+        return Fit(0.0, 0.0, np.array([0.06, 0.02, 0.01, fourth, 0.17, last]))
+
+    labelled = left(0.075, 0.26)
+    assert at_others_cost(turned, left(0.127, 0.21), labelled)
+    # right ones cost nothing, and a crude model's tenth says nothing
+    assert not at_others_cost(turned, left(0.075, 0.21), labelled)
+    assert not at_others_cost(turned, left(0.099, 0.21), labelled)
+    assert at_others_cost(turned, left(0.101, 0.21), labelled)
+
+
 @pytest.mark.parametrize("costs_the_others", [True, False])
 def test_such_a_reading_is_not_given(
     monkeypatch: pytest.MonkeyPatch, costs_the_others: bool
 ) -> None:
     """The search has it, far better by its sharp cost, and leaves it."""
-    monkeypatch.setattr(search, "for_one_joint", lambda one, other: costs_the_others)
+    monkeypatch.setattr(search, "at_others_cost", lambda *fits: costs_the_others)
     monkeypatch.setattr(
         search._Search, "sharp_cost", lambda self, reading, *misfits: 0.0 if reading.kind else 1e9
     )
