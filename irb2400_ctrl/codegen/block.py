@@ -4,7 +4,7 @@ generation."""
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import casadi as ca
@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from irb2400_ctrl.codegen.build import CompiledFunction, compile_function
 from irb2400_ctrl.codegen.host_library import Real
 from irb2400_ctrl.errors import InputError
-from irb2400_ctrl.given import whole
+from irb2400_ctrl.given import positive, whole
 from irb2400_ctrl.typed import typed
 
 Array = NDArray[Any]
@@ -49,7 +49,8 @@ class Field:
         if not self.name.isidentifier():
             raise InputError(f"field {self.name!r}; expected a C identifier")
         for what in ("default", "lower", "upper"):
-            values = getattr(self, what)
+            values = tuple(np.asarray(getattr(self, what)).tolist())
+            object.__setattr__(self, what, values)
             if values and (len(values) != self.size or not np.all(np.isfinite(values))):
                 raise InputError(
                     f"field {self.name!r}: {what} is {values}; expected {self.size} finite values, "
@@ -89,6 +90,7 @@ class Quantities:
     expressions: ca.Function
 
 
+@typed
 @dataclass(frozen=True)
 class Block:
     """x+ = f(x, u, p), y = g(x, u, p), every `sample_time` seconds.
@@ -113,6 +115,13 @@ class Block:
     """what its user has to know beside the fields, in Markdown; stands in the package's README"""
 
     def __post_init__(self) -> None:
+        positive("sample_time", self.sample_time, "s")
+        if not ca.Function.check_name(self.name):
+            raise InputError(
+                f"found {self.name!r} as the name of a block: no name in C or CasADi that one can "
+                "have; expected a letter, then letters, digits and single underscores between "
+                "them, as in left_arm"
+            )
         taken = (*self.states, *self.inputs, *self.parameters)
         given = (*self.states, *self.outputs)
         found_in = [(n, self.step.numel_in(n)) for n in self.step.name_in()]
@@ -128,6 +137,13 @@ class Block:
                 f"block {self.name!r}: step gives {found_out} elements; "
                 f"expected next states, then outputs: {[(f.name, f.size) for f in given]}"
             )
+
+    def own_limit(self, output: Field) -> Field | None:
+        """The parameter at whose magnitude an output is cut; None where none is its limit."""
+        row = output.magnitude
+        # its default may be another one
+        alike = (p for p in self.parameters if row and p.size == row.size)
+        return next((p for p in alike if row == replace(p, default=output.upper)), None)
 
     def flat(self) -> ca.Function:
         """The step with one vector each: (x, u, p) -> (x+, y)."""

@@ -3,7 +3,7 @@ them."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property, partial
 
 import casadi as ca
@@ -139,12 +139,8 @@ class Package:
 
     def _own_limit(self, field: Field) -> int | None:
         """Which of the block's parameters cuts an output at a magnitude; None: none does."""
-        row = field.magnitude if field in self.block.outputs else None
-        for k, own in enumerate(self.block.parameters):
-            # its default may be another one
-            if row and row.size == own.size and row == replace(own, default=row.default):
-                return k
-        return None
+        own = self.block.own_limit(field) if field in self.block.outputs else None
+        return None if own is None else self.block.parameters.index(own)
 
     def files(self) -> dict[str, str]:
         """File name -> text of the whole package."""

@@ -15,7 +15,7 @@ from irb2400_ctrl.controllers.guards.consistency import Consistency
 from irb2400_ctrl.controllers.guards.notes import notes
 from irb2400_ctrl.controllers.guards.sample_check import LAGGING, LEADING, SampleCheck, all_of
 from irb2400_ctrl.controllers.momentum import Momentum
-from irb2400_ctrl.controllers.parts import Values, assemble, gain, saturate
+from irb2400_ctrl.controllers.parts import Values, assemble, check_port_unit, gain, saturate
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.robot import Robot
 from irb2400_ctrl.typed import typed
@@ -187,6 +187,8 @@ def _check(block: Block, joints: int, start_time: float, most_lost: int) -> None
             f"block {block.name!r} has inputs {names}; a guard expects q, qd, their reference and "
             "the single output tau"
         )
+    for field in (*block.inputs, *block.outputs):
+        check_port_unit(block.name, field)
     found = next(f.size for f in block.inputs if f.name == "q")
     if found != joints:
         raise InputError(

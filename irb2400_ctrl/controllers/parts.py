@@ -3,6 +3,7 @@ assembly into a `Block`."""
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
@@ -36,6 +37,16 @@ LONGEST = 1.0
 """longest sample time [s]: more is a rate, or milliseconds"""
 STRETCH = 2**22
 """samples that a clock counts before it adds them to its seconds"""
+
+PORT_UNITS = {
+    "q": "rad",
+    "qd": "rad/s",
+    "q_ref": "rad",
+    "qd_ref": "rad/s",
+    "qdd_ref": "rad/s2",
+    "tau": "Nm",
+}
+"""in which a controller is served, and gives its torque"""
 
 Values = dict[str, ca.SX]
 Law = Callable[[Values], Values]
@@ -290,3 +301,20 @@ def with_gains(block: Block, **gains: ArrayLike) -> Block:
         default = tuple(np.broadcast_to(array, known[name].size).tolist())
         known[name] = replace(known[name], default=default)
     return replace(block, parameters=tuple(known.values()))
+
+
+def check_port_unit(controller: str, field: Field) -> None:
+    """Refuse a port of a controller in another unit than it is served in: nothing converts it.
+
+    Args:
+        controller: its name.
+        field: one of its inputs, or its torque.
+    """
+    # rad/s**2, rad/s^2 and rad/s2 are one, and so are N m, N*m and Nm
+    found = re.sub(r"[\s*^·.]", "", field.unit.replace("²", "2"))
+    expected = PORT_UNITS.get(field.name, found)
+    if found not in ("", "-", expected):
+        raise InputError(
+            f"controller {controller!r}: {field.name} is in {field.unit}; expected {expected}: "
+            "ports are served in SI units; convert inside the step"
+        )

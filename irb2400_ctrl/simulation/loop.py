@@ -9,6 +9,7 @@ from collections.abc import Mapping
 import casadi as ca
 
 from irb2400_ctrl.codegen import Block, Field
+from irb2400_ctrl.controllers.parts import check_port_unit
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.robot import Robot
 from irb2400_ctrl.simulation.instruments import Actuators, Sensors
@@ -125,6 +126,7 @@ def _check_ports(controller: Block, n: int) -> None:
                 f"controller {controller.name!r}: {field.name} has {field.size} elements; expected "
                 f"{size}: the arm has {n} joints"
             )
+        check_port_unit(controller.name, field)
 
 
 def _extra(controller: Block) -> list[Field]:

@@ -10,6 +10,7 @@ import numpy as np
 
 from irb2400_ctrl.codegen import Block, Field
 from irb2400_ctrl.codegen.input_guard import believed
+from irb2400_ctrl.codegen.package_pages import inside
 from irb2400_ctrl.controllers.parts import BEYOND
 from irb2400_ctrl.robot import Robot
 
@@ -36,7 +37,7 @@ def as_packaged(controller: Block, values: Values, run: Callable[..., Values]) -
     """One step of the controller as its C package makes it.
 
     An input outside its bounds: the state stands still, the last good output is repeated, `fault`
-    is 1.
+    is 1. Outputs are cut at theirs.
 
     Args:
         controller: whose step it is.
@@ -53,14 +54,33 @@ def as_packaged(controller: Block, values: Values, run: Callable[..., Values]) -
         old = values[f"c_{f.name}"]
         result[f"{f.name}_next"] = ca.if_else(valid, control[f"{f.name}_next"], old)
     for f in controller.outputs:
-        result[f.name] = ca.if_else(valid, control[f.name], values[f"held_{f.name}"])
+        sent = _cut(controller, f, control[f.name], values)
+        result[f.name] = ca.if_else(valid, sent, values[f"held_{f.name}"])
     return result
+
+
+def _cut(controller: Block, field: Field, value: ca.SX, values: Values) -> ca.SX:
+    """An output as it is sent: inside its bounds, or the row of the table that stands for them.
+
+    Args:
+        controller: whose output it is.
+        field: of the output.
+        value: that the controller gives.
+        values: its states, inputs and parameters, each name behind `c_`.
+    """
+    if row := controller.own_limit(field):
+        limit = values[f"c_{row.name}"]
+        return ca.fmin(ca.fmax(value, -limit), limit)
+    # what is no number stays in front: fmin and fmax pass it on
+    low = ca.fmax(value, ca.DM(field.lower)) if field.lower else value
+    return ca.fmin(low, ca.DM(field.upper)) if field.upper else low
 
 
 def held_outputs(controller: Block) -> list[Field]:
     """The states that keep the last good outputs."""
     return [
-        Field(f"held_{f.name}", f.size, f.unit, f"last good {f.name}") for f in controller.outputs
+        Field(f"held_{f.name}", f.size, f.unit, f"last good {f.name}", tuple(inside(f).tolist()))
+        for f in controller.outputs
     ]
 
 
