@@ -90,7 +90,7 @@ def guarded(
     return replace(
         guards,
         origin=(*block.origin, ("guards", "consistency" if agreed else "plain")),
-        notes=block.notes + notes(most_lost, consistency),
+        notes="\n".join(filter(None, (block.notes, notes(most_lost, consistency)))),
     )
 
 

@@ -20,7 +20,7 @@ from numpy.typing import ArrayLike
 
 from irb2400_ctrl.codegen import Block, Field
 from irb2400_ctrl.controllers.arm_numbers import ArmNumbers, memory_fields
-from irb2400_ctrl.controllers.origin import origin_of
+from irb2400_ctrl.controllers.origin import arm_notes, origin_of
 from irb2400_ctrl.controllers.parts import (
     Clock,
     Values,
@@ -166,7 +166,8 @@ def momentum_observer(
         parameters=(observer_bandwidth(robot, "observer", bandwidth, sample_time),),
         told=observer_told(n),
     )
-    return replace(block, origin=origin_of(robot, block.name, {"bandwidth": bandwidth}))
+    origin = origin_of(robot, block.name, {"bandwidth": bandwidth})
+    return replace(block, origin=origin, notes=arm_notes(robot))
 
 
 def observer_bandwidth(robot: Robot, name: str, value: ArrayLike, sample_time: float) -> Field:
