@@ -251,6 +251,11 @@ extern const char {name}_provenance[{len(flash_text(name, self.provenance)) + 1}
 #if defined(__FLT_EVAL_METHOD__) && ((__FLT_EVAL_METHOD__ == 1) || (__FLT_EVAL_METHOD__ == 2))
 #error "excess precision breaks the rounding that this file relies on: compile with -msse2 -mfpmath=sse"
 #endif
+#if !{upper}_SINGLE
+/* Where this line fails double has 32 bits, or -fsingle-precision-constant cuts numbers to that: leave the flag out,
+   or compile with {upper}_SINGLE 1. */
+typedef char double_of_64_bits_t[(sizeof(1.0) == 8u) ? 1 : -1];
+#endif
 
 typedef {name}_real_t real_t;
 #define R(x) ((real_t)(x))

@@ -53,6 +53,17 @@ def test_arithmetic_that_would_be_wrong_is_refused(flags: str, reason: str, tmp_
     assert reason in complaint(GCC, *flags.split(), folder=tmp_path)
 
 
+@pytest.mark.skipif(GCC is None, reason="no gcc")
+def test_numbers_of_32_bits_are_refused_in_double(tmp_path: Path) -> None:
+    """By a flag of many projects for a Cortex-M4F, or a processor without a double of 64 bits."""
+    export_package(pd_block(), tmp_path, states=8, real="double")
+    assert GCC
+    found = complaint(GCC, "-fsingle-precision-constant", folder=tmp_path)
+    assert "double_of_64_bits" in found
+    single = ("-fsingle-precision-constant", "-DPD_CONTROL_SINGLE=1")
+    assert not complaint(GCC, *single, folder=tmp_path)
+
+
 @pytest.mark.parametrize("compiler", [c for c in (GCC, CLANG) if c])
 def test_flags_of_every_day_are_taken(compiler: str, tmp_path: Path) -> None:
     export_package(pd_block(), tmp_path, states=8)
