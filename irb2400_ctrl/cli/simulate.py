@@ -91,13 +91,9 @@ def _say_unstable(controller: str, arm: Robot) -> None:
     """What `codegen` says of the loop of a controller and its own arm; a run shows it, and is not
     refused."""
     from irb2400_ctrl.controllers import controller as make_controller
-    from irb2400_ctrl.controllers.sampling import check_sampled_loop
-    from irb2400_ctrl.errors import InputError
+    from irb2400_ctrl.controllers.sampling import loop_remark
 
-    try:
-        remark = check_sampled_loop(arm, partial(make_controller, controller, arm), SAMPLE_TIME)
-    except InputError as error:
-        remark = str(error)
+    remark = loop_remark(arm, partial(make_controller, controller, arm), SAMPLE_TIME)
     if remark:
         print(f"irb2400: {remark}", file=sys.stderr)
 

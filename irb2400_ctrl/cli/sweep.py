@@ -40,6 +40,8 @@ def sweep(
     wanted = load_study(study)
     needed("pyarrow", "parquet", "the table of a study")  # said before the long work
     output_folder(out)
+    for remark in wanted.remarks:
+        print(f"irb2400: {remark}", file=sys.stderr)
     with step(f"{wanted.cases} cases") as show:
 
         def progress(done: int, of: int) -> None:

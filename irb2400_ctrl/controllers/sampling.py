@@ -83,6 +83,20 @@ def check_sampled_loop(robot: Robot, build: Callable[[float], Block], sample_tim
     )
 
 
+def loop_remark(robot: Robot, build: Callable[[float], Block], sample_time: float) -> str:
+    """What `check_sampled_loop` says, where a run is to show it: as a remark, never a refusal.
+
+    Args:
+        robot: the arm.
+        build: from the sample time [s] to the controller, without guards.
+        sample_time: that is asked for [s].
+    """
+    try:
+        return check_sampled_loop(robot, build, sample_time)
+    except InputError as error:
+        return str(error)
+
+
 @dataclass(frozen=True, eq=False)
 class _Loops:
     """An arm at some poses [rad], shape (k, n)."""

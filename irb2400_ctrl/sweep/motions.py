@@ -90,6 +90,8 @@ class StudyMotion(Table):
                     f"pose {k + 1}: axis {axis + 1} at {pose[axis]} deg, its range is {low:.0f} to "
                     f"{high:.0f}"
                 )
+        if self.poses_deg and len(set(self.poses_deg)) == 1:
+            found.append("all poses are the same, so nothing moves; expected another one")
         return found
 
     def data(self) -> bytes:

@@ -22,6 +22,8 @@ from pydantic import (
 
 from irb2400_ctrl.codegen import Block
 from irb2400_ctrl.controllers import CONTROLLERS, controller
+from irb2400_ctrl.controllers.parts import with_gains
+from irb2400_ctrl.controllers.sampling import loop_remark
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.reading import bounded_text, toml_tables
 from irb2400_ctrl.robot import Robot, load_robot, robot_names
@@ -76,6 +78,15 @@ class Control(Table):
     def block(self, robot: Robot, rate: float) -> Block:
         """The controller as a block; InputError says what does not fit."""
         return controller(self.controller, self.knows or robot, 1.0 / rate, **self.design)
+
+    def remark(self, robot: Robot, rate: float) -> str:
+        """What `codegen` says of a loop that is unstable on the arm that the controller knows."""
+
+        def build(sample_time: float) -> Block:
+            return with_gains(self.block(robot, 1.0 / sample_time), **self.gains)
+
+        said = loop_remark(self.knows or robot, build, 1.0 / rate)
+        return said and f"{self.label}: {said}"
 
     def problems(self, robot: Robot, rate: float) -> list[str]:
         """What does not fit."""
@@ -150,6 +161,12 @@ class Study(Table):
         return self
 
     @property
+    def remarks(self) -> list[str]:
+        """Controllers whose loop is unstable: their errors speak of limits, not of the gains."""
+        said = (c.remark(self.robot, self.rate_Hz) for c in self.controllers)
+        return [remark for remark in said if remark]
+
+    @property
     def text(self) -> str:
         """The file as it was written."""
         return self._text
@@ -211,7 +228,7 @@ def _explain(error: ValidationError) -> list[str]:
     items = error.errors()
     for item in items:
         if item["type"] == "too_short" and any(
-            i["loc"][:1] == item["loc"] and i is not item for i in items
+            i["loc"][: len(item["loc"])] == item["loc"] and i is not item for i in items
         ):
             # the entries are there, but with problems of their own
             continue

@@ -103,6 +103,11 @@ def test_all_problems_of_a_study_at_once(tmp_path: Path) -> None:
             "[999, 5, 5, 5, 35, 5]",
             "motions[1]: pose 2: axis 1 at 999.0 deg, its range is",
         ),
+        (
+            "[5, 5, 5, 5, 35, 5]",
+            "[0, 0, 0, 0, 30, 0]",
+            "motions[1]: all poses are the same, so nothing moves",
+        ),
         ("draws = 4", "draws = = 4", "is not TOML"),
         (
             "[[controllers]]",
@@ -113,6 +118,29 @@ def test_all_problems_of_a_study_at_once(tmp_path: Path) -> None:
 )
 def test_what_does_not_fit_together(tmp_path: Path, old: str, new: str, expected: str) -> None:
     assert expected in complaint(tmp_path, SMALL.replace(old, new, 1))
+
+
+def test_a_value_out_of_range_is_said_once(tmp_path: Path) -> None:
+    said = complaint(tmp_path, SMALL.replace("speeds = [0.5, 1.0]", "speeds = [50]"))
+    assert "motions[1].speeds[1]: Input should be less than or equal to 10, found 50" in said
+    assert "at least 1 item" not in said
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ("", "", ""),
+        ("bandwidth = 30.0 }", "bandwidth = 2000.0 }", "soft: computed_torque sampled every 0.001"),
+        ('name = "soft"', 'name = "soft"\ngains = { kp = 1e7, kd = 1e5 }', "soft: computed_torque"),
+        ("seed = 7", "seed = 7\nrate_Hz = 2", "feedforward_pid: feedforward_pid sampled every 0.5"),
+    ],
+)
+def test_unstable_loops_are_said(tmp_path: Path, old: str, new: str, said: str) -> None:
+    remarks = small(tmp_path, SMALL.replace(old, new, 1)).remarks
+    assert bool(remarks) == bool(said)
+    if said:
+        assert remarks[0].startswith(said)
+        assert "an error doubles every" in remarks[0]
 
 
 def test_missing_study(tmp_path: Path) -> None:

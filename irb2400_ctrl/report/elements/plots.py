@@ -211,6 +211,9 @@ def spectrum(lines: Sequence[tuple[str, Array, str]], rate: float, joint: int) -
 def logarithmic(axis: Axes, which: Literal["x", "y"]) -> None:
     """Over a decade or two, 1-2-5 reads better than powers of ten; with more there would be no
     room."""
+    least = axis.dataLim.minposx if which == "x" else axis.dataLim.minposy
+    if not np.isfinite(least):  # nothing above zero
+        return
     (axis.set_xscale if which == "x" else axis.set_yscale)("log")
     scale = axis.xaxis if which == "x" else axis.yaxis
     low, high = axis.get_xlim() if which == "x" else axis.get_ylim()
