@@ -79,6 +79,8 @@ def load_trajectory(path: Path | str, axes: int | None = None) -> Trajectory:
 def _axes(path: Path, header: list[str], expected: int | None) -> int:
     """The highest number of an angle in the header, 1 where there is none."""
     numbers = [match[1] for name in header if (match := _ANGLE.fullmatch(name))]
+    if "0" in numbers:
+        raise InputError(f"{path}: found q0, expected angles that count from q1")
     found = max(map(int, numbers), default=expected or 1)
     if expected not in (None, found):
         raise InputError(f"{path}: found q1 … q{found}, expected {expected} axes")
@@ -126,8 +128,13 @@ def _table(path: Path) -> tuple[list[str], Array]:
     lines = (line for block in text_blocks(path) for line in block.decode().split("\n")[:-1])
     header: list[str] = []
     values = array("d")
+    separator = ","
     for number, line in enumerate(lines, 1):
-        cells = [cell.strip().strip('"') for cell in line.split(",")]
+        if not header:
+            # as a spreadsheet saves it where the comma is that of decimals
+            separator = max((",", ";", "\t"), key=line.count)
+        pointed = line if separator == "," else line.replace(",", ".")
+        cells = [cell.strip().strip('"') for cell in pointed.split(separator)]
         if not header:
             header = cells if line.strip() else []
         elif line.strip():

@@ -40,6 +40,40 @@ def test_reads_what_the_planner_writes(tmp_path, unit: str, name: str) -> None:
     np.testing.assert_allclose(motion.qdd, MOVE.qdd, atol=1e-9)
 
 
+@pytest.mark.parametrize("separator", [";", "\t"])
+def test_reads_what_a_spreadsheet_with_a_decimal_comma_saves(tmp_path, separator: str) -> None:
+    text = csv_of(MOVE).replace(",", separator).replace(".", ",").replace("\n", "\r\n")
+    (tmp_path / "motion.csv").write_text("\ufeff" + text, encoding="utf-8", newline="")
+    np.testing.assert_allclose(load_trajectory(tmp_path / "motion.csv").q, MOVE.q, atol=1e-11)
+
+
+def test_angles_that_count_from_zero_are_refused(tmp_path) -> None:
+    """Of seven columns six were taken, each for its neighbour's axis."""
+    names = ",".join(f"q{j}_deg" for j in range(7))
+    rows = "\n".join(f"{0.1 * k}," + ",".join(["0.1"] * 7) for k in range(5))
+    (tmp_path / "motion.csv").write_text(f"time_s,{names}\n{rows}\n")
+    with pytest.raises(InputError, match="found q0, expected angles that count from q1"):
+        load_trajectory(tmp_path / "motion.csv")
+
+
+@pytest.mark.parametrize(
+    ("row", "column", "value", "said"),
+    [
+        (2, 1, "nan", "first in row 3"),
+        (3, 0, "0.2", r"time does not increase at row 4 \(0.2 s\)"),
+    ],
+)
+def test_says_which_row_of_angles_alone_is_none(
+    tmp_path, row: int, column: int, value: str, said: str
+) -> None:
+    rows = [[f"{0.1 * k:.1f}", "0.1", "0.2"] for k in range(5)]
+    rows[row][column] = value
+    text = "time_s,q1_deg,q2_deg\n" + "\n".join(map(",".join, rows))
+    (tmp_path / "motion.csv").write_text(text)
+    with pytest.raises(InputError, match=said):
+        load_trajectory(tmp_path / "motion.csv")
+
+
 def test_angles_alone_are_enough(tmp_path) -> None:
     (tmp_path / "q.csv").write_text(csv_of(MOVE, derivatives=False))
     motion = load_trajectory(tmp_path / "q.csv")
