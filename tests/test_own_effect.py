@@ -243,6 +243,10 @@ def test_an_unknown_kind_says_how_to_load_ones_own(tmp_path: Path) -> None:
         (("taut_hose", "cable_spring"), "cable_spring is defined already, in .*cable_spring.py"),
         (("    sentence: ClassVar", "    other: ClassVar"), "effect taut_hose has no sentence"),
         (("    example: ClassVar", "    other: ClassVar"), "effect taut_hose has no example"),
+        (
+            ('0, "taut_rad": 0.2}', '0, "taut": 0.2}'),
+            "the example of effect taut_hose has .*, taut;",
+        ),
         (('Literal["taut_hose"] = "taut_hose"', "str"), "has the kind PydanticUndefined"),
         (("def basis", "def base"), "found no effect"),
         (("import casadi as ca", "import casady as ca"), "No module named 'casady'"),
@@ -269,6 +273,37 @@ def test_a_field_that_grid_does_not_name_is_a_coefficient_of_a_column(tmp_path: 
             irb.Model(arm).gravity(np.zeros(6))
     finally:
         del LIBRARY["slack_hose"]
+
+
+FMAX = "self.on(ca.fmax(s.q[self.index] - self.taut_rad, 0), s.q.numel())"
+
+
+@pytest.mark.parametrize(
+    ("law", "message"),
+    [
+        # it acted on every joint
+        ("ca.fmax(s.q[self.index] - self.taut_rad, 0)", r"has 1 row, expected 6.*self\.on"),
+        ("self.on(max(s.q[self.index], 0), 6)", "its basis fails .*truth value.*ca.fmax for max"),
+        ("self.on(s.position[self.index], 6)", "its basis fails .*no attribute 'position'"),
+        ("self.on(ca.sqrt(s.q[self.index] - 9), 6)", "its basis is no number"),
+        # it acted squared
+        (
+            FMAX.replace("ca.fmax", "self.stiffness_Nm_rad * ca.fmax"),
+            "its basis changes with stiffness_Nm_rad, which it is multiplied by",
+        ),
+    ],
+)
+def test_a_basis_that_is_none_is_the_files_fault(tmp_path: Path, law: str, message: str) -> None:
+    text = page().replace(FMAX, law).replace("taut_hose", "wrong_hose")
+    (tmp_path / "mine.py").write_text(text)
+    load_effects(tmp_path / "mine.py")
+    try:
+        hose = LIBRARY["wrong_hose"].of(3, stiffness_Nm_rad=100.0, taut_rad=0.2)
+        arm = irb.load_robot("irb2400").with_effects(hose)
+        with pytest.raises(InputError, match=message):
+            irb.Model(arm).gravity(np.zeros(6))
+    finally:
+        del LIBRARY["wrong_hose"]
 
 
 def test_two_files_cannot_define_one_kind(folder: Path, tmp_path: Path) -> None:

@@ -29,9 +29,10 @@ from pydantic import AliasChoices, Field
 
 from irb2400_ctrl.arrays import Array, Mask
 from irb2400_ctrl.effects.ambiguity import Ambiguity
+from irb2400_ctrl.effects.checked_basis import as_many
 from irb2400_ctrl.effects.drawing import Drawing
 from irb2400_ctrl.effects.prior import Nested, Prior
-from irb2400_ctrl.effects.registry import LIBRARY, as_many, load_effects, register, source_file
+from irb2400_ctrl.effects.registry import LIBRARY, load_effects, register, source_file
 from irb2400_ctrl.effects.search import Search
 from irb2400_ctrl.effects.signals import Signals
 from irb2400_ctrl.effects.transmission import Transmission
@@ -241,7 +242,7 @@ class Effect(Table, ABC):
             s: the signals it may depend on.
             coefficients, discrepancy: of the columns of the two bases, in their order.
         """
-        tau = as_many(self.basis(s), coefficients, self) @ coefficients
+        tau = as_many(s, coefficients, self) @ coefficients
         if discrepancy.numel():
             # a file holds the first columns, those that last
             tau += self.discrepancy_basis(s)[:, : discrepancy.numel()] @ discrepancy

@@ -14,11 +14,9 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
-import casadi as ca
-
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.typed import typed
-from irb2400_ctrl.wording import counted, did_you_mean
+from irb2400_ctrl.wording import did_you_mean
 
 # `Effect` registers its subclasses here, so that nothing here can know it
 Kind = type[Any]
@@ -48,6 +46,13 @@ def register(effect: Kind) -> None:
             f"{where}: effect {kind} has no {' and no '.join(missing)}; expected a sentence in "
             "plain words and an example, the fields of an effect of usual size"
         )
+    fields = effect.model_fields
+    needed = {name for name, field in fields.items() if field.is_required()}
+    if needed - set(effect.example) or set(effect.example) - set(fields):
+        raise InputError(
+            f"{where}: the example of effect {kind} has {', '.join(effect.example)}; expected its "
+            f"fields {', '.join(sorted(needed))}"
+        )
     before = LIBRARY.get(kind)
     if before is not None and _origin(before) != _origin(effect):
         raise InputError(
@@ -57,26 +62,6 @@ def register(effect: Kind) -> None:
     kinds = sorted([*LIBRARY.items(), (kind, effect)], key=lambda entry: entry[0])
     LIBRARY.clear()
     LIBRARY.update(kinds)
-
-
-def as_many(basis: ca.SX, coefficients: ca.SX | ca.DM, effect: Any) -> ca.SX:
-    """The basis of an effect, which has a column for each of its coefficients.
-
-    Args:
-        basis: shape (n, k); coefficients: (k,); effect: theirs.
-
-    Raises:
-        InputError: another number of columns.
-    """
-    columns = basis.shape[1]
-    expected = coefficients.numel()
-    if columns != expected:
-        raise InputError(
-            f"effect {effect.kind}: its basis has {counted(columns, 'column')}, expected "
-            f"{expected}, one for each of {', '.join(effect.linear) or 'its coefficients'}; a "
-            "field on which the basis depends is a key of grid"
-        )
-    return basis
 
 
 def effect_class(kind: object) -> Kind:

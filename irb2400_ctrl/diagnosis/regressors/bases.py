@@ -15,6 +15,7 @@ from irb2400_ctrl.diagnosis.regressors.effect_states import Memory
 from irb2400_ctrl.diagnosis.regressors.given_signals import DerivedSignals, GivenSignals
 from irb2400_ctrl.effects import LIBRARY, Effect
 from irb2400_ctrl.effects.base import within
+from irb2400_ctrl.effects.checked_basis import basis_of
 from irb2400_ctrl.effects.registry import in_library
 from irb2400_ctrl.measurement.prepared_log import PreparedLog
 from irb2400_ctrl.model import Model
@@ -173,7 +174,7 @@ class _Law:
         state = ca.SX.sym("x", len(effect.states))
         # the user's own may differentiate a signal: it has to be written out
         s = GivenSignals(signals, state) if in_library(effect) else signals.arm.with_state(state)
-        law = prototype.basis(s)
+        law = basis_of(prototype, s)
         basis = prototype.discrepancy_basis(s) if discrepancy else law
         # it lives on the joints of the law, so that both can stand side by side
         rows = sorted(set(law.sparsity().row()))
