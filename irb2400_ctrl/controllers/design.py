@@ -19,12 +19,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.codegen import Block
 from irb2400_ctrl.controllers.linear import LinearLoop
 from irb2400_ctrl.controllers.margins import Margins, frequencies, margins, times
+from irb2400_ctrl.controllers.parts import BEYOND
 from irb2400_ctrl.controllers.timing import Timing
 from irb2400_ctrl.errors import InfeasibleError, InputError
+from irb2400_ctrl.given import numbers
 from irb2400_ctrl.robot import Robot
+from irb2400_ctrl.typed import typed
 
 
 @dataclass(frozen=True)
@@ -79,6 +83,7 @@ def double_integrator(timing: Timing) -> Any:
     return control.tf([T**2 / 2, T**2 / 2], [1, -2, 1], T)
 
 
+@typed
 def place_poles(
     bandwidth: float, damping: float = 1.0, timing: Timing | None = None
 ) -> JointDesign:
@@ -111,6 +116,7 @@ def place_poles(
     return _stable(JointDesign(float(gains[0]), float(gains[1]), timing))
 
 
+@typed
 def lqr(
     position_error: float,
     acceleration: float,
@@ -239,11 +245,14 @@ def over_poses(
         block: the controller.
         timing: sample time, delay and speed filter [s]; default those of the design.
         poses: angles (k, n) [rad].
+
+    Raises:
+        InputError: no pose, or one outside the joint box, as angles in degrees are.
     """
     timing = timing or Timing(sample_time=block.sample_time)
-    loops = [
-        LinearLoop(robot, block, q, timing) for q in np.atleast_2d(np.asarray(poses, dtype=float))
-    ]
+    angles = np.atleast_2d(numbers("poses", poses))
+    _check_poses(robot, angles)
+    loops = [LinearLoop(robot, block, q, timing) for q in angles]
     joints = [loop.joint(j + 1) for loop in loops for j in range(robot.n)]
     return WorstCase(
         stable=all(loop.stable for loop in loops),
@@ -254,6 +263,22 @@ def over_poses(
         gain_down=max(m.gain_down for m in joints),
         delay=min(m.delay for m in joints),
     )
+
+
+def _check_poses(robot: Robot, angles: Array) -> None:
+    """InputError where there is none, or one lies outside the joint box (k, n) [rad]."""
+    if angles.size == 0:
+        raise InputError("poses: found none; expected angles [rad], a row for each pose")
+    if angles.shape[1] != robot.n:
+        return  # said of each
+    beyond = np.maximum(angles - robot.q_max, robot.q_min - angles)
+    if (beyond > BEYOND).any():
+        row, j = np.unravel_index(int(np.nanargmax(beyond)), beyond.shape)
+        raise InputError(
+            f"poses: found axis {j + 1} at {angles[row, j]:.4g} rad; expected "
+            f"{robot.q_min[j]:.4g} to {robot.q_max[j]:.4g} rad ({robot.name}); angles in degrees "
+            "need np.radians"
+        )
 
 
 def fastest(

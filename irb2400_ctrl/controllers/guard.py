@@ -68,7 +68,7 @@ def guarded(
         consistency: with the momentum observer.
         robot: the arm, with its joint box and limits.
     """
-    _check(block, robot.n, start_time, most_lost)
+    _check(block, robot, start_time, most_lost)
     T = block.sample_time
     share = 1.0 if start_time < T else T / start_time
     check = SampleCheck(robot, T, LAGGING if _lags(block) else LEADING)
@@ -170,12 +170,12 @@ class _Guard:
         return after, results[-1]
 
 
-def _check(block: Block, joints: int, start_time: float, most_lost: int) -> None:
+def _check(block: Block, robot: Robot, start_time: float, most_lost: int) -> None:
     """Refuse what cannot be guarded.
 
     Args:
         block: the controller.
-        joints: of the robot.
+        robot: that it is to be guarded on.
         start_time: [s].
         most_lost: samples in a row.
     """
@@ -190,10 +190,16 @@ def _check(block: Block, joints: int, start_time: float, most_lost: int) -> None
     for field in (*block.inputs, *block.outputs):
         check_port_unit(block.name, field)
     found = next(f.size for f in block.inputs if f.name == "q")
-    if found != joints:
+    if found != robot.n:
         raise InputError(
-            f"block {block.name!r} is of an arm of {found} joints, the robot has {joints}; "
+            f"block {block.name!r} is of an arm of {found} joints, the robot has {robot.n}; "
             "expected the controller of this robot"
+        )
+    other = dict(block.origin).get("robot", robot.name)
+    if other != robot.name:
+        raise InputError(
+            f"block {block.name!r} was made for {other}, to be guarded on {robot.name}; expected "
+            "the controller of this robot"
         )
     if start_time < 0 or most_lost < 0:
         raise InputError(
