@@ -24,6 +24,9 @@ from irb2400_ctrl.model.elasticity import elastic_data, elastic_joints, links_on
 from irb2400_ctrl.model.friction import FrictionLaw
 from irb2400_ctrl.robot import Robot
 
+SLOW = 0.1
+"""[rad/s] at which a friction has its slope whose slope is infinite at rest"""
+
 
 def linearize(robot: Robot, q: Array, qd: Array | None = None, tau: Array | None = None) -> Any:
     """The arm around a state: u = tau, y = (q, qd) of the actuators, as `control.StateSpace`.
@@ -38,7 +41,7 @@ def linearize(robot: Robot, q: Array, qd: Array | None = None, tau: Array | None
         tau: [Nm], default the torque that gives no acceleration.
 
     Raises:
-        InputError: one of them is not finite or has another shape.
+        InputError: one of them is not finite or has another shape, or the arm has no slope there.
     """
     import control
 
@@ -57,7 +60,8 @@ def linearize(robot: Robot, q: Array, qd: Array | None = None, tau: Array | None
     rate = arm_rate(robot, x, u)
     slopes = ca.Function("slopes", [x, u], [ca.jacobian(rate, x), ca.jacobian(rate, u)])
     at = np.concatenate([q, link[soft], qd, qd[soft]])
-    A, B = (np.asarray(ca.densify(m)) for m in slopes.call([at, tau]))
+    slow = at + SLOW * np.repeat([0.0, 1.0], n + k)
+    A, B = _numbers(robot.name, slopes, [at, tau], [slow, tau])
     actuators = [*range(n), *range(n + k, 2 * n + k)]
     C = np.eye(2 * (n + k))[actuators]
     return control.ss(A, B, C, np.zeros((2 * n, n)))
@@ -167,18 +171,38 @@ def linearize_block(block: Block, q: Array) -> Any:
         ca.jacobian(y[:n], x),
         _columns(y[:n], u, place),
     ]
-    slopes = ca.Function("slopes", [x, u, p], [ca.densify(m) for m in matrices])
-    at = [
-        _stack(block.states, values),
-        _stack(block.inputs, rest),
-        _stack(block.parameters, values),
-    ]
-    A, B, C, D = (np.asarray(m) for m in slopes.call(at))
+    slopes = ca.Function("slopes", [x, u, p], matrices)
+    slow = rest | {name: np.full(n, SLOW) for name in ("qd", "qd_ref") if name in rest}
+    ends = _stack(block.states, values), _stack(block.parameters, values)
+    at = [[ends[0], _stack(block.inputs, given), ends[1]] for given in (rest, slow)]
+    A, B, C, D = _numbers(block.name, slopes, *at)
     # states that stand still at rest (learned parameters) are constants of the linear loop
     moving = (np.abs(A - np.eye(len(A))).max(axis=1, initial=0.0) > 0) | (
         np.abs(B).max(axis=1, initial=0.0) > 0
     )
     return control.ss(A[np.ix_(moving, moving)], B[moving], -C[:, moving], -D, block.sample_time)
+
+
+def _numbers(name: str, slopes: ca.Function, at: list[Array], slow: list[Array]) -> list[Array]:
+    """Matrices of slopes at rest; in a slow motion where one is infinite at rest.
+
+    Args:
+        name: of whose they are.
+        slopes: the matrices.
+        at: its arguments at rest.
+        slow: in a slow motion.
+
+    Raises:
+        InputError: they are no numbers there either.
+    """
+    for arguments in (at, slow):
+        found = [np.asarray(ca.densify(m)) for m in slopes.call(arguments)]
+        if all(np.isfinite(m).all() for m in found):
+            return found
+    raise InputError(
+        f"{name}: no finite slope at rest, nor in a slow motion; look for a root or a division by "
+        "zero in its law or in the robot's effects"
+    )
 
 
 def _columns(expression: ca.SX, u: ca.SX, place: dict[str, slice]) -> ca.SX:
