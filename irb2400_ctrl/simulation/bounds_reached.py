@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from irb2400_ctrl.arrays import Array, Mask
+from irb2400_ctrl.codegen import Block
 from irb2400_ctrl.robot import Robot
 from irb2400_ctrl.simulation.reference_check import outside_box, too_fast
 from irb2400_ctrl.trajectory import Trajectory
@@ -18,7 +19,7 @@ def bounds_reached(
     plant: Robot,
     reference: Trajectory,
     signals: Mapping[str, Array],
-    error_limit: Array | None = None,
+    controller: Block,
 ) -> dict[str, Any]:
     """Axes count from 1; empty lists, 0 and None where nothing was reached.
 
@@ -27,7 +28,7 @@ def bounds_reached(
         plant: as it is.
         reference: that was asked for.
         signals: of the run by name, a row a sample.
-        error_limit: of a guard: farther from the reference it closes the brake [rad], shape (n,).
+        controller: with its gains as defaults.
     """
     brake = signals.get("c_brake")
     closed = None
@@ -35,14 +36,15 @@ def bounds_reached(
     if brake is not None and brake.any():
         row = int(np.argmax(brake > 0))
         closed = float(reference.time[row])
-        if error_limit is not None:
-            far = _left(np.abs(signals["q_seen"] - reference.q) > error_limit, row)
+        # of a guard: farther from the reference it closes the brake [rad]
+        for limit in (f.start for f in controller.parameters if f.name == "error_limit"):
+            far = _left(np.abs(signals["q_seen"] - reference.q) > limit, row)
     return {
         "reference_outside_joint_box": outside_box(robot, reference.q),
         "reference_above_speed_limit": too_fast(robot, reference.qd),
         "joint_box": outside_box(plant, signals["q"]),
         "speed_limit": too_fast(plant, signals["qd"]),
-        "torque_limit": _axes(at_torque_limit(robot, plant, signals)),
+        "torque_limit": _axes(at_torque_limit(robot, plant, signals, controller)),
         "end_stop": _axes(np.not_equal(signals["end_stop"], 0)),
         "samples_refused_by_package": int(signals["fault"].sum()),
         "brake_closed_s": closed,
@@ -50,20 +52,36 @@ def bounds_reached(
     }
 
 
-def at_torque_limit(robot: Robot, plant: Robot, signals: Mapping[str, Array]) -> Mask:
-    """Where a torque is cut, by the controller at the limit that it knows or by the drive at its
-    own, shape (m, n); behind a lag the torque that acts may not get there.
+def at_torque_limit(
+    robot: Robot, plant: Robot, signals: Mapping[str, Array], controller: Block
+) -> Mask:
+    """Where a torque is cut, by the controller at the limit that it knows or at the bounds of its
+    torque, or by the drive at its own, shape (m, n); behind a lag the torque that acts may not get
+    there.
 
     Args:
         robot: as the controller knows it.
         plant: as it is.
         signals: of the run by name, a row a sample.
+        controller: with its gains as defaults.
     """
     limit = np.fmin(robot.tau_bound, plant.tau_bound) * (1 - 1e-9)
-    asked = np.abs(signals["command"]) >= limit
+    command = signals["command"]
+    low, high = _sent(controller)
+    asked = (np.abs(command) >= limit) | (command >= high) | (command <= low)
     if "c_brake" in signals:
         asked &= signals["c_brake"] == 0
     return np.asarray(asked | (np.abs(signals["tau"]) >= limit))
+
+
+def _sent(controller: Block) -> tuple[Array, Array]:
+    """Least and largest torque that the package sends, less its rounding."""
+    tau = next(f for f in controller.outputs if f.name == "tau")
+    if row := controller.own_limit(tau):
+        return -row.start * (1 - 1e-9), row.start * (1 - 1e-9)
+    low = np.array(tau.lower or (-np.inf,))
+    high = np.array(tau.upper or (np.inf,))
+    return low * (1 + 1e-9 * np.sign(low)), high * (1 - 1e-9 * np.sign(high))
 
 
 def in_words(reached: dict[str, Any]) -> list[str]:

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.codegen import Block, CompiledBlock, compile_block
+from irb2400_ctrl.controllers.parts import with_gains
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.robot import Robot
 from irb2400_ctrl.simulation.divergence import check_finite
@@ -89,6 +90,7 @@ class Loop:
         motion = self._reference(trajectory, hold)
         inputs = self._inputs(motion, wrench, lost, seed)
         own = controller_parameters(self.controller, {} if gains is None else gains)
+        tuned = {name.removeprefix("c_"): value for name, value in own.items()}
         x0, hold_torque = self._initial.of(arm, motion, own)
         if any(f.name == "c_hold" for f in self.compiled.block.parameters):
             own = {"c_hold": hold_torque, **own}
@@ -101,7 +103,7 @@ class Loop:
         return Simulation(
             self.robot,
             arm,
-            self.controller,
+            with_gains(self.controller, **tuned),
             self.sensors,
             self.actuators,
             motion,

@@ -33,7 +33,8 @@ class Simulation(Displayed):
 
     `signals` holds by name: q, qd (true), q_seen, qd_seen (measured), tau (acting), command, dry,
     q_link (true angles on the side of the links; they differ from q where a joint is elastic),
-    fault (1 where the C package refuses an input), end_stop (torque of the end stops).
+    fault (1 where the C package refuses an input), end_stop (torque of the end stops). The gains
+    of the run are the defaults of `controller`.
     """
 
     robot: Robot
@@ -128,23 +129,19 @@ class Simulation(Displayed):
                 most / high if np.isfinite(high) else None
                 for most, high in zip(np.abs(self.tau).max(axis=0).tolist(), limit, strict=True)
             ],
-            "saturated_share": at_torque_limit(self.robot, self.plant, self.signals)
+            "saturated_share": at_torque_limit(
+                self.robot, self.plant, self.signals, self.controller
+            )
             .mean(axis=0)
             .tolist(),
             "bounds_reached": bounds_reached(
-                self.robot, self.plant, self.reference, self.signals, self._error_limit
+                self.robot, self.plant, self.reference, self.signals, self.controller
             ),
             "sensors": self.sensors.model_dump(),
             "actuators": self.actuators.model_dump(),
             "seed": self.seed,
             "real_time_factor": self.real_time_factor,
         }
-
-    @property
-    def _error_limit(self) -> Array | None:
-        """Of the controller's guard, if it has one [rad], shape (n,)."""
-        stated = [f.start for f in self.controller.parameters if f.name == "error_limit"]
-        return stated[0] if stated else None
 
     def log_columns(self) -> dict[str, Array]:
         """The log as the robot's data stream would give it: header name -> column."""
