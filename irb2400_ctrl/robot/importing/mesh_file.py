@@ -36,19 +36,24 @@ def found_mesh(name: str, folders: Sequence[Path]) -> Path:
     """The file of a mesh.
 
     Args:
-        name: as the robot file has it: a path, `file://`, or `package://NAME/path`.
+        name: as the robot file has it: a path, with backslashes too, `file://`, or
+            `package://NAME/path`.
         folders: of `mesh_folders`.
 
     Raises:
         MeshMissingError: it is in none of them.
     """
-    match = _PACKAGE.fullmatch(name)
+    # a file that was made on Windows
+    slashed = name.replace("\\", "/")
+    match = _PACKAGE.fullmatch(slashed)
     if match is not None:
         ways = [f"{match['package']}/{match['rest']}", match["rest"]]
     else:
-        ways = [unquote(name.removeprefix("file://")) if name.startswith("file:") else name]
+        # in front of a drive's letter stands no slash
+        ways = [re.sub(r"^/(?=[A-Za-z]:)", "", slashed.removeprefix("file://"))]
     for folder in folders:
-        for way in ways:
+        # blanks may be written as in a web address
+        for way in (*ways, *map(unquote, ways)):
             if way and (folder / way).is_file():
                 return folder / way
     raise MeshMissingError(name)

@@ -39,7 +39,7 @@ def spliced(path: Path, root: ET.Element, folders: tuple[Path, ...] = ()) -> Non
     folders = (*folders, path.parent)
     for parent in list(root.iter()):
         for include in parent.findall("include"):
-            name = include.get("file", "")
+            name = include.get("file", "").replace("\\", "/")
             inner_path = next(
                 (at / name for at in (folders[-1], folders[0]) if (at / name).is_file()), None
             )
