@@ -19,6 +19,8 @@ LIGHT_KG = 0.2
 """a body that weighs less may be small"""
 LEAST_GYRATION_M = 2e-3
 """smallest radius of gyration of one that weighs more [m]"""
+DENSEST_KG_M3 = 20_000.0
+"""no body of tungsten has less inertia for its mass than a ball of this density"""
 BESIDE = 0.5
 """distance of a centre of mass from its link over the distances between the arm's axes"""
 POSTURES = 200
@@ -51,6 +53,7 @@ def plausibility(robot: Robot) -> list[str]:
             notes.append(f"{link.name}: its joint is {length:.4g} m further on; it looks like mm")
         notes += _body(link.name, link.body, most)
     notes += _masses(robot)
+    notes += _dense(robot)
     notes += _beside(robot) or _weight(robot)
     notes += _friction(robot)
     notes += _rotors(robot)
@@ -178,6 +181,30 @@ def _masses(robot: Robot) -> list[str]:
             "fits them to logs)"
         ]
     return _one_inertia([link.body for link in robot.links])
+
+
+def _dense(robot: Robot) -> list[str]:
+    """Most links with less inertia than any matter of their mass has: another unit, whatever the
+    size of the arm. One or two such links are measured ones, of which noise is left."""
+    bodies = {link.name: link.body for link in robot.links if link.body.mass_kg > 0.0}
+    # an inertia of zero says a point mass, or nothing
+    stated = {name: body for name, body in bodies.items() if np.trace(body.tensor()) > 0.0}
+    dense = {name: body for name, body in stated.items() if _density(body) > DENSEST_KG_M3}
+    if len(dense) < 2 or 2 * len(dense) <= len(bodies):
+        return []
+    least = min(_density(body) for body in dense.values())
+    return [
+        f"{', '.join(dense)}: the inertias are too little for the masses: balls with them would "
+        f"have {least:.2g} kg/m3 or more, and lead has 11000; are they in another unit? Expected "
+        "kg m2 and kg"
+    ]
+
+
+def _density(body: Body) -> float:
+    """Of the ball with this mass and mean inertia [kg/m3]; nothing that weighs as much with as
+    little inertia, however it is shaped, has less."""
+    radius = np.sqrt(2.5 * np.trace(body.tensor()) / 3.0 / body.mass_kg)
+    return float(body.mass_kg / (4.0 / 3.0 * np.pi * radius**3))
 
 
 def _one_inertia(bodies: list[Body]) -> list[str]:

@@ -54,6 +54,35 @@ def test_another_unit_is_said(attribute: str, factor: float, says: str, tmp_path
     assert any(says in note for note in notes), notes
 
 
+@pytest.mark.parametrize("name", sorted(arms()))
+def test_inertias_of_another_unit_are_asked_about(name: str, tmp_path: Path) -> None:
+    """A radius of 2 mm is no measure of a link of 0.3 m: a thousandth passed without a word."""
+    text = urdf(arms()[name])
+    asked = "are they in another unit?"
+    assert not [note for note in plausibility(read(text, tmp_path)) if asked in note]
+    for factor in (1e-2, 1e-3):
+        wrong = read(scaled(text, "i[xyz][xyz]", factor), tmp_path)
+        (said,) = [note for note in plausibility(wrong) if asked in note]
+        named = [link for link in wrong.links if link.name in said]
+        assert 2 * len(named) > wrong.n
+        assert factor > 1e-3 or len(named) >= wrong.n - 1
+
+
+def test_sound_inertias_are_not_asked_about() -> None:
+    """Measured ones of which noise is left, thin rods, point masses beside them."""
+    bare = irb.load_robot("ur10e")
+    rod = {"inertia_kgm2": (0.0, 0.02, 0.02, 0.0, 0.0, 0.0)}
+    point = {"inertia_kgm2": (0.0,) * 6}
+    bodies = [rod, rod, rod, point, point, point]
+    links = [
+        link.model_copy(update={"body": link.body.model_copy(update=change)})
+        for link, change in zip(bare.links, bodies, strict=True)
+    ]
+    rods = bare.model_copy(update={"links": tuple(links)})
+    for robot in (rods, *map(irb.load_robot, ("irb2400", "puma560", "ur10e"))):
+        assert not [note for note in plausibility(robot) if "are they in another unit?" in note]
+
+
 @pytest.mark.parametrize("name", ["end_effector_link", "tcp_link", "my_flange_link", "link_eef"])
 def test_the_frame_of_the_tool_is_the_end(name: str, tmp_path: Path) -> None:
     """126 mm of an end effector were dropped without a word."""
