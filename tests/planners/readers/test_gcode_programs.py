@@ -221,6 +221,25 @@ def test_a_second_program_behind_the_end_is_said(tmp_path: Path) -> None:
     assert "has ended" not in " ".join(map(str, silent))
 
 
+def test_what_stands_behind_the_closing_mark_is_left_out_and_said(tmp_path: Path) -> None:
+    """A control reads no further than the second %; it was carried out without a word."""
+    body = f"%\nO1\n%\n{HEAD}X9.\n"
+    read = program(tmp_path, f"{body}%\nG1 X99. F100.\nO3 (old)\nG1 Y7.\nQUATSCH\n%\n")
+    assert np.allclose(1e3 * read.operation().path.position[-1], [9, 0, 1])
+    said = " ".join(map(str, read.of_kind("assumed")))
+    assert "the program has ended: 2 blocks with places behind it" in said
+    silent = program(tmp_path, f"{body}% (end)\n(made by a CAM system)\n").of_kind("assumed")
+    assert "has ended" not in " ".join(map(str, silent))
+
+
+@pytest.mark.parametrize("back", ["M99\n%\n", "%\n"])
+def test_a_sub_program_behind_the_closing_mark_is_found(tmp_path: Path, back: str) -> None:
+    main = f"%\nO1\n{HEAD}M98 P2\nX9.\n%\n"
+    read = program(tmp_path, f"{main}O2\nG1 X5. Y7. F100.\n{back}")
+    assert np.allclose(1e3 * read.operation().path.position[-2:], [[5, 7, 1], [9, 7, 1]])
+    assert "has ended" not in " ".join(map(str, read.of_kind("assumed")))
+
+
 def test_a_place_stated_again_between_stop_and_spindle_is_no_operation(tmp_path: Path) -> None:
     cut = "G1 Z5. F600\nX{}.\nG0 Z20.\nM5\nM1\n"
     again = "G0 X10. Y0.\nG4 P2.\nS1200 M3\n"

@@ -130,6 +130,8 @@ class Block:
     """behind //, which no standard knows"""
     plane: tuple[str, ...] | None = None
     """what CYCLE800 states (Siemens)"""
+    tape_mark: bool = False
+    """a % alone: begins the program, or ends it"""
 
     def codes(self, letter: str) -> list[float]:
         """All numbers behind this letter."""
@@ -216,6 +218,8 @@ def blocks(
         skipped = OPTIONAL.match(code)
         code = code[skipped.end() :] if skipped else code
         if code.startswith("%"):
+            if code == "%":
+                yield Block(line, (), tape_mark=True)
             continue
         # program number or name: O1234, :1234, <NAME>, ONAME (Okuma)
         code = re.sub(r"^(?:[O:]\s*\d+|O[A-Z]\w{0,3}|(?:O\s*\d+\s*)?<[^<>]*>)\s*$", "", code)

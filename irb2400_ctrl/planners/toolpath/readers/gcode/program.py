@@ -104,6 +104,7 @@ class _Reader:
         self._machine = GcodeMachine(builder, self._state)
         self._frames = GcodeFrames(builder, self._state)
         self._offsets = WorkOffsets(builder, self._state, frames)
+        self._moved = False
         self._again = False
         self.ended = False
 
@@ -157,6 +158,10 @@ class _Reader:
     def block(self, block: Block) -> None:
         """One line."""
         builder = self._builder
+        if block.tape_mark:
+            # the one behind places closes what the first one opens
+            self.ended = self._moved
+            return
         for comment in block.comments:
             self._machine.comment(comment)
         if block.optional:
@@ -194,6 +199,7 @@ class _Reader:
         if leads:
             refuse_idle_words(self._state, (codes, functions), values)
             self._move(values)
+            self._moved = True
             self._motion.cycles.at_place()
         if block.call is not None:
             self._motion.cycles.call(block.call)

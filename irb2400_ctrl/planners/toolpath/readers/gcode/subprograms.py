@@ -179,6 +179,9 @@ class _Runner:
                 # back to another line than that of the call
                 yield number, f"GOTO {rest.strip()}" if _P.search(rest) else rest
                 return
+            if depth and code == "%":
+                # that of the whole file, of which a sub-program is the last
+                continue
             call = _call(raw, self._programs)
             if call is None:
                 yield number, raw
