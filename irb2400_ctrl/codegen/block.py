@@ -113,6 +113,8 @@ class Block:
     """what generated code names its locals after"""
     notes: str = ""
     """what its user has to know beside the fields, in Markdown; stands in the package's README"""
+    axes: tuple[tuple[float, float], ...] = ()
+    """distance [m] and angle [rad] from each axis of its arm to the next; empty of no arm"""
 
     def __post_init__(self) -> None:
         positive("sample_time", self.sample_time, "s")

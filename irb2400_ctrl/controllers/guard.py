@@ -65,8 +65,7 @@ def guarded(
         torque_rate: [Nm/s], one or one per joint, if not as above.
         start_time: [s].
         most_lost: samples that may be missing in a row.
-        consistency: with the momentum observer.
-        robot: the arm, with its joint box and limits.
+        consistency: with the momentum observer; robot: the arm, with its joint box and limits.
     """
     _check(block, robot, start_time, most_lost)
     T = block.sample_time
@@ -91,6 +90,7 @@ def guarded(
         guards,
         origin=(*block.origin, ("guards", "consistency" if agreed else "plain")),
         notes="\n".join(filter(None, (block.notes, notes(most_lost, consistency)))),
+        axes=block.axes,
     )
 
 

@@ -8,11 +8,17 @@ from typing import Any
 import numpy as np
 
 from irb2400_ctrl.arrays import Array
-from irb2400_ctrl.codegen.block import Origin
+from irb2400_ctrl.codegen.block import Block, Origin
 from irb2400_ctrl.codegen.provenance import fingerprint
 from irb2400_ctrl.effects.added_body import Payload
 from irb2400_ctrl.robot import Robot
 
+SAME_M = 0.02
+"""between two axes of one arm, as two files have it [m]; a calibration moves them a millimetre"""
+SAME_RAD = 0.1
+"""the same for the angle between them [rad]"""
+PARALLEL = 0.1
+"""sine of the angle below which the next axis is as far as its frame is [-]"""
 ARM = """\
 ## Its arm
 
@@ -50,6 +56,41 @@ def origin_of(robot: Robot, controller: str, design: Mapping[str, Any]) -> Origi
         ("effects", ", ".join(_named(e.kind, e.joint) for e in others) or "none"),
         ("robot sha256", fingerprint(robot.model_dump_json())),
     )
+
+
+def axes_of(robot: Robot) -> tuple[tuple[float, float], ...]:
+    """Distance [m] and angle [rad] from each axis to the next: of an arm, whatever it is called,
+    whoever identified it, and wherever a file puts its frames."""
+    found = []
+    for link in robot.links[1:]:
+        X = link.frame.matrix()
+        sine = float(np.hypot(X[0, 2], X[1, 2]))
+        # along the common normal z x z'; along the way between the frames of parallel axes
+        across = abs(X[1, 3] * X[0, 2] - X[0, 3] * X[1, 2]) / sine if sine > PARALLEL else None
+        distance = float(np.hypot(X[0, 3], X[1, 3])) if across is None else float(across)
+        found.append((distance, float(np.arctan2(sine, X[2, 2]))))
+    return tuple(found)
+
+
+def other_arm(block: Block, robot: Robot) -> str:
+    """What to say of a law that was made from an arm with other axes than this robot's; empty where
+    they are alike, or nothing is known of its own."""
+    here = axes_of(robot)
+    # of another number of joints: nothing takes such a law for this one's
+    if len(block.axes) != len(here):
+        return ""
+    for j, (own, found) in enumerate(zip(block.axes, here, strict=True), 1):
+        if abs(own[0] - found[0]) > SAME_M or abs(own[1] - found[1]) > SAME_RAD:
+            return (
+                f"{block.name} was made from {dict(block.origin).get('robot', 'an arm')}, whose "
+                f"axes {j} and {j + 1} are {_apart(*own)} apart; those of {robot.name}, which it "
+                f"is to move, {_apart(*found)}: it is the law of another arm"
+            )
+    return ""
+
+
+def _apart(distance: float, angle: float) -> str:
+    return f"{1e3 * distance:.4g} mm and {np.degrees(angle):.3g} deg"
 
 
 def _named(kind: str, joint: int | None) -> str:

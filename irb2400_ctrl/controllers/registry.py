@@ -13,7 +13,7 @@ from irb2400_ctrl.controllers.cascade import feedforward_pid, pid
 from irb2400_ctrl.controllers.computed_torque import computed_torque
 from irb2400_ctrl.controllers.computed_torque_integral import computed_torque_integral
 from irb2400_ctrl.controllers.gravity_pd import gravity_pd
-from irb2400_ctrl.controllers.origin import arm_notes, origin_of
+from irb2400_ctrl.controllers.origin import arm_notes, axes_of, origin_of
 from irb2400_ctrl.controllers.parts import check_masses
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.robot import Robot
@@ -60,7 +60,8 @@ def controller(name: str, robot: Robot, sample_time: float = 0.001, **design: An
             f"{', '.join(known)}"
         )
     block = CONTROLLERS[name](robot, sample_time, **design)
-    return replace(block, origin=origin_of(robot, name, design), notes=arm_notes(robot))
+    origin = origin_of(robot, name, design)
+    return replace(block, origin=origin, notes=arm_notes(robot), axes=axes_of(robot))
 
 
 def _wishes(name: str) -> list[str]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 import time as clock
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -12,6 +13,7 @@ from numpy.typing import ArrayLike
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.codegen import Block, CompiledBlock, compile_block
+from irb2400_ctrl.controllers.origin import other_arm
 from irb2400_ctrl.controllers.parts import with_gains
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.robot import Robot
@@ -231,6 +233,8 @@ def simulate(
 ) -> Simulation:
     """Follow a trajectory with a controller on a plant, all in generated C.
 
+    stderr says where the controller was made from an arm with other axes than the plant's.
+
     Args:
         robot: what the controller knows (used when `controller` is a name), and the geometry of the
             reference.
@@ -262,6 +266,8 @@ def simulate(
         substeps=substeps,
         wrench=wrench is not None,
     )
+    if doubt := other_arm(loop.controller, loop.plant):
+        print(f"irb2400: {doubt}", file=sys.stderr)
     return loop.run(trajectory, gains=gains, wrench=wrench, hold=hold, seed=seed)
 
 

@@ -22,6 +22,7 @@ from pydantic import (
 
 from irb2400_ctrl.codegen import Block
 from irb2400_ctrl.controllers import CONTROLLERS, controller
+from irb2400_ctrl.controllers.origin import other_arm
 from irb2400_ctrl.controllers.parts import with_gains
 from irb2400_ctrl.controllers.sampling import loop_remark
 from irb2400_ctrl.errors import InputError
@@ -79,14 +80,16 @@ class Control(Table):
         """The controller as a block; InputError says what does not fit."""
         return controller(self.controller, self.knows or robot, 1.0 / rate, **self.design)
 
-    def remark(self, robot: Robot, rate: float) -> str:
-        """What `codegen` says of a loop that is unstable on the arm that the controller knows."""
+    def remarks(self, robot: Robot, rate: float) -> list[str]:
+        """Of a law that is another arm's; what `codegen` says of a loop that is unstable on the arm
+        that the controller knows."""
 
         def build(sample_time: float) -> Block:
             return with_gains(self.block(robot, 1.0 / sample_time), **self.gains)
 
-        said = loop_remark(self.knows or robot, build, 1.0 / rate)
-        return said and f"{self.label}: {said}"
+        strange = other_arm(self.block(robot, rate), robot) if self.knows else ""
+        said = (strange, loop_remark(self.knows or robot, build, 1.0 / rate))
+        return [f"{self.label}: {remark}" for remark in said if remark]
 
     def problems(self, robot: Robot, rate: float) -> list[str]:
         """What does not fit."""
@@ -162,9 +165,9 @@ class Study(Table):
 
     @property
     def remarks(self) -> list[str]:
-        """Controllers whose loop is unstable: their errors speak of limits, not of the gains."""
-        said = (c.remark(self.robot, self.rate_Hz) for c in self.controllers)
-        return [remark for remark in said if remark]
+        """Controllers that are another arm's, or whose loop is unstable: their errors do not speak
+        of the gains."""
+        return [r for c in self.controllers for r in c.remarks(self.robot, self.rate_Hz)]
 
     @property
     def text(self) -> str:
