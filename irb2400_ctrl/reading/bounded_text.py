@@ -26,6 +26,10 @@ _DEEP_KEY = re.compile(rf"[\s\[]*{_NAME}(?:[ \t]*\.[ \t]*{_NAME}){{{DEEPEST},}}"
 
 # what is said of "C:\Users", where a backslash begins a character that is written otherwise
 _OF_A_BACKSLASH = ("Unescaped", "Invalid hex")
+_HINT = "write a path with /, or in single quotes: 'C:\\arm.toml'"
+# and what is left of "C:\temp" and "logs\new.csv", where it begins one that can be read
+_TURNED = r"\x08\t\n\f\r"
+_BROKEN_PATH = re.compile(rf"[A-Za-z]:[\\{_TURNED}].*|[^ ]*\.\w{{1,8}}", re.DOTALL)
 
 
 def bounded_text(path: Path, what: str, most: int = MOST_BYTES) -> str:
@@ -64,7 +68,8 @@ def toml_tables(text: str, source: str, what: str) -> dict[str, Any]:
         what: what it is to be, such as `a robot file (TOML)`.
 
     Raises:
-        InputError: not TOML, nested without end, or numbers of thousands of digits.
+        InputError: not TOML, nested without end, numbers of thousands of digits, or a path whose
+            backslashes are no longer there.
     """
     for number, line in enumerate(text.splitlines(), 1):
         if _DEEP_KEY.match(line):
@@ -73,13 +78,32 @@ def toml_tables(text: str, source: str, what: str) -> dict[str, Any]:
                 f"{DEEPEST} names"
             )
     try:
-        return tomllib.loads(text)
+        tables = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
         slash = str(error).startswith(_OF_A_BACKSLASH)
-        hint = "; write a path with /, or in single quotes: 'C:\\arm.toml'" if slash else ""
+        hint = f"; {_HINT}" if slash else ""
         other = looks_like(text.partition("\n")[0].split(","), "")
         raise InputError(f"{source} is not TOML, expected {what}: {error}{hint}{other}") from error
     except RecursionError as error:
         raise InputError(f"{source} is not a file of this kind: nested without end") from error
     except ValueError as error:
         raise InputError(f"{source} is not a file of this kind: {error}") from error
+    if broken := _broken_path(tables):
+        raise InputError(
+            f"{source}: {broken} looks like a path, with a tab or a new line in it, which \\t, "
+            f"\\n, \\b, \\f and \\r are in double quotes; {_HINT}"
+        )
+    return tables
+
+
+def _broken_path(value: object, place: str = "") -> str:
+    """The key of the first path that has lost a backslash; empty where there is none."""
+    if isinstance(value, str):
+        lost = re.search(f"[{_TURNED}]", value) and _BROKEN_PATH.fullmatch(value)
+        return place if lost else ""
+    inside: list[tuple[str, object]] = []
+    if isinstance(value, dict):
+        inside = [(f"{place}.{key}".lstrip("."), item) for key, item in value.items()]
+    elif isinstance(value, list):
+        inside = [(f"{place}[{number}]", item) for number, item in enumerate(value, 1)]
+    return next((found for where, item in inside if (found := _broken_path(item, where))), "")

@@ -45,3 +45,17 @@ def test_chinese_is_an_even_number_of_bytes_a_word_and_somewhere_four(
     words: list[int], page: str
 ) -> None:
     assert _code_page(b" ".join(b"a" + b"\xc4" * run for run in words)) == page
+
+
+@pytest.mark.parametrize("path", [r"C:\temp\nix.csv", r"C:\new", r"logs\test.csv", r"\b.toml"])
+def test_a_path_whose_backslashes_are_read_as_other_characters_says_so(path: str) -> None:
+    """`no file C:`, a tab, `emp`: nobody sees from it what to write."""
+    text = f'name = "x"\n[[motions]]\nfile = "{path}"\n'
+    with pytest.raises(InputError, match=r"it: motions\[1\]\.file looks like a path.* single quot"):
+        toml_tables(text, "it", "a study (TOML)")
+
+
+def test_other_texts_may_have_tabs_and_lines() -> None:
+    text = 'a = """\nMeasured: 3 May\nsee log.csv"""\nb = "\\t"\n'
+    text += "c = 'C:\\temp\\new.csv'\nd = \"C:/t.csv\"\n"
+    assert toml_tables(text, "it", "a file (TOML)")["c"] == r"C:\temp\new.csv"
