@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -17,6 +18,20 @@ _SOLIDS = {".step", ".stp", ".iges", ".igs", ".sldprt", ".ipt", ".catpart", ".pr
 # bytes of a binary STL file: 80 of title and the count of triangles, then each triangle
 _STL_HEAD = 84
 _STL_TRIANGLE = 50
+# by how they begin, what is renamed to .stl, and what is to be done
+_HEAD = 2000
+_EXPORT = "export it as STL"
+_OTHERS = (
+    (rb"ply\s", "a PLY file", f"give it the ending .ply, or {_EXPORT}"),
+    (rb"(?:\s*(?:#|(?:mtllib|usemtl|[ogs])\s)[^\n]*\n)*\s*v(?: +[-+.\deE]+){3}",
+     "an OBJ file", f"give it the ending .obj, or {_EXPORT}"),
+    (rb"PK\x03\x04", "a ZIP archive, such as a 3MF file", _EXPORT),
+    (rb"glTF", "a glTF file", _EXPORT),
+    (rb"C?OFF\s", "an OFF file", _EXPORT),
+    (rb"\s*ISO-10303-21", "a STEP file", _EXPORT),
+    (rb".{72}S {0,6}0*1\s", "an IGES file", _EXPORT),
+    (rb"\s*<", "an XML file", _EXPORT),
+)  # fmt: skip
 
 
 def triangles_of(path: Path) -> tuple[Array, Integers, bool]:
@@ -77,13 +92,17 @@ def _not_triangles(path: Path) -> str:
         return found
     size = path.stat().st_size
     with path.open("rb") as file:
-        head = file.read(_STL_HEAD)
-    # a text has no zero bytes, a count below 16 million has
-    if kind != ".stl" or b"\0" not in head or len(head) < _STL_HEAD:
-        return ""
-    count = int.from_bytes(head[-4:], "little")
+        start = file.read(_HEAD)
+    head = start[:_STL_HEAD]
+    count = int.from_bytes(head[80:], "little")
     stated = _STL_HEAD + _STL_TRIANGLE * count
-    if size == stated:
+    if kind != ".stl" or size == stated:
+        return ""
+    for begins, other, advice in _OTHERS:
+        if re.match(begins, start.removeprefix(b"\xef\xbb\xbf")):
+            return f"found what begins as {other}, expected an STL file: {advice}"
+    # a text has no zero bytes, a count below 16 million has
+    if b"\0" not in head or len(head) < _STL_HEAD:
         return ""
     wrong = "cut short" if size < stated else "a count that is wrong, or bytes behind its end"
     return (

@@ -114,6 +114,32 @@ def test_a_cad_model_is_no_mesh(tmp_path: Path, name: str) -> None:
         cell_pieces(cell)
 
 
+@pytest.mark.parametrize(
+    ("content", "says"),
+    [
+        (b"ply\nformat ascii 1.0\n", "a PLY file.* the ending .ply, or export it as STL"),
+        (b"# Blender\nmtllib a.mtl\no part\nv 0 0 -1.5\nv 1 0 0\nf 1 2 2\n", "an OBJ file.* .obj"),
+        (b"v 0.0 1e-3 0 1 1 1\nv 1 0 0\nf 1 2 2\n", "an OBJ file"),
+        (b"PK\x03\x04\x14\0" + b"\0" * 200, "a ZIP archive, such as a 3MF file"),
+        (b"glTF\2\0\0\0" + b"\0" * 200, "a glTF file"),
+        (b"OFF\n8 6 0\n", "an OFF file"),
+        (b"ISO-10303-21;\nHEADER;\n", "a STEP file, expected an STL file: export it as STL"),
+        (b"made by a CAD system".ljust(72) + b"S      1\n", "an IGES file"),
+        (b'<?xml version="1.0"?><COLLADA/>', "an XML file"),
+    ],
+)
+def test_another_kind_of_file_is_named(tmp_path: Path, content: bytes, says: str) -> None:
+    """They had no triangles, or bytes that no one could count."""
+    with pytest.raises(InputError, match=f"cannot be read: found what begins as {says}"):
+        cell_pieces(load_cell(cell_with(tmp_path, content)))
+
+
+def test_a_title_that_begins_as_another_kind_is_a_title(tmp_path: Path) -> None:
+    for title in (b"ply\nconverted", b"PK\x03\x04", b"OFF "):
+        content = title.ljust(80) + stl(CORNERS)[80:]
+        assert len(cell_pieces(load_cell(cell_with(tmp_path, content)))) == 1
+
+
 def test_a_part_that_is_not_where_the_path_is_is_asked_about(tmp_path: Path) -> None:
     (tmp_path / "path.nc").write_text(PATH)
     program = read_program(tmp_path / "path.nc")
