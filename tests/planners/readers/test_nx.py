@@ -189,6 +189,28 @@ def test_holes_along_a_tilted_axis(tmp_path: Path) -> None:
     assert np.allclose(p[-3:], np.array([10, 0, 0]) + np.outer([5, -10, 5], axis))
 
 
+def test_the_axis_of_the_operation_before_is_said(tmp_path: Path) -> None:
+    """A file for three axes behind one for five cut askew without a word."""
+    second = "TOOL PATH/B,TOOL,BALL_6\n"
+    tilted = "GOTO/0,0,50,0,0.6,0.8\nGOTO/8,0,50\nEND-OF-PATH\n"
+
+    def said(body: str) -> list[str]:
+        notes = map(str, program(tmp_path, body).of_kind("assumed"))
+        return [note for note in notes if "without i,j,k" in note]
+
+    rest = "GOTO/5,0,40\nGOTO/5,2,40\n"
+    (found,) = said(f"{tilted}{second}{rest}")
+    assert "line 12: an operation that begins without i,j,k: the tool stands as at" in found
+    assert found.endswith("the one before, 0,0.6,0.8")
+    axes = program(tmp_path, f"{tilted}{second}{rest}").operations[1].path.axis
+    assert np.allclose(axes, [0, 0.6, 0.8])
+    # where it is stated, or along z, or within an operation
+    assert not said(f"{tilted}{second}GOTO/5,0,40,0,0,1\n{rest}")
+    assert not said(f"{tilted}{second}GOTO/5,0,40,0,0.6,0.8\n{rest}")
+    assert not said(f"{tilted.replace('0,0.6,0.8', '0,0,1')}{second}{rest}")
+    assert not said(tilted)
+
+
 def test_operations_of_a_file_in_the_frame_of_the_first(tmp_path: Path) -> None:
     second = HEAD.replace("FINISH_A", "DRILL_B").replace("BALL_6", "DRILL_4").replace(
         "MSYS/10.0,20.0,30.0,0.0,1.0,0.0,-1.0,0.0,0.0", "MSYS/10.0,20.0,70.0,1,0,0,0,1,0"

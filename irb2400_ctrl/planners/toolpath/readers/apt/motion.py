@@ -34,6 +34,7 @@ class Motion:
         self._cycle: HoleCycle | None = None
         self._last_cycle: Statement | None = None
         self._last_word = ""
+        self._axis_of_before = False
         self._do: dict[str, Callable[[Statement], None]] = {
             "GOTO": self._goto,
             "FROM": self._from,
@@ -69,6 +70,7 @@ class Motion:
         if word != "GOTO":
             self._circles.interrupted()
         self._last_word = word
+        self._axis_of_before = word == "TOOL PATH" or (self._axis_of_before and word != "TLAXIS")
         order = self._do.get(word)
         if order is None:
             return False
@@ -99,11 +101,18 @@ class Motion:
         """x,y,z or x,y,z,i,j,k of a statement. Creo leaves i,j,k out where the tool stands along z
         (PTC's help, "CL Output for Circular Interpolation"); elsewhere the last one holds."""
         position, axis = self._placement.point_and_axis(statement)
-        if axis is None and self._dialect == CREO:
-            upright = self._placement.direction([0.0, 0.0, 1.0])
-            if not np.allclose(upright, self._builder.axis):
+        upright = self._placement.direction([0.0, 0.0, 1.0])
+        if axis is None and not np.allclose(upright, self._builder.axis):
+            if self._dialect == CREO:
                 self._builder.assume("points without i,j,k: the tool stands along z (Creo)")
                 axis = upright
+            elif self._axis_of_before:
+                i, j, k = self._builder.axis
+                self._builder.assume(
+                    "an operation that begins without i,j,k: the tool stands as at the end of the "
+                    f"one before, {i:.4g},{j:.4g},{k:.4g}"
+                )
+        self._axis_of_before = False
         return position, axis
 
     def _from(self, statement: Statement) -> None:
