@@ -192,7 +192,7 @@ def _print_left_out(arm: Robot, format: str, effects: list[str]) -> None:
 def _print_bodies(arm: Robot) -> dict[str, Any]:
     """Which bodies could exist, and whether that matters to the torques; the same as facts."""
     from irb2400_ctrl.model import consistency
-    from irb2400_ctrl.model.plausibility import plausibility
+    from irb2400_ctrl.model.plausibility import plausibility, too_dense
     from irb2400_ctrl.model.positive_definite import certify
 
     bodies = consistency.report(arm)
@@ -217,8 +217,11 @@ def _print_bodies(arm: Robot) -> dict[str, Any]:
     print(f"the mass matrix {word} over the whole joint box: {certificate.reason}")
     if arm.weightless:
         same_torques = "no link has mass: only kinematics can be asked of this arm"
+    elif issues:
+        same_torques = _realisable(arm)
     else:
-        same_torques = _realisable(arm) if issues else "every body could exist"
+        so_dense = ", if there were matter so dense" if too_dense(arm) else ""
+        same_torques = f"every body could exist{so_dense}"
     print(same_torques)
     return {
         "name": arm.name,

@@ -53,7 +53,7 @@ def plausibility(robot: Robot) -> list[str]:
             notes.append(f"{link.name}: its joint is {length:.4g} m further on; it looks like mm")
         notes += _body(link.name, link.body, most)
     notes += _masses(robot)
-    notes += _dense(robot)
+    notes += too_dense(robot)
     notes += _beside(robot) or _weight(robot)
     notes += _friction(robot)
     notes += _rotors(robot)
@@ -183,7 +183,7 @@ def _masses(robot: Robot) -> list[str]:
     return _one_inertia([link.body for link in robot.links])
 
 
-def _dense(robot: Robot) -> list[str]:
+def too_dense(robot: Robot) -> list[str]:
     """Most links with less inertia than any matter of their mass has: another unit, whatever the
     size of the arm. One or two such links are measured ones, of which noise is left."""
     bodies = {link.name: link.body for link in robot.links if link.body.mass_kg > 0.0}

@@ -68,6 +68,12 @@ def test_inertias_of_another_unit_are_asked_about(name: str, tmp_path: Path) -> 
         assert factor > 1e-3 or len(named) >= wrong.n - 1
 
 
+def test_a_check_says_of_them_that_no_matter_is_so_dense(tmp_path: Path) -> None:
+    path = irb.save_robot(read(scaled(UR5, "i[xyz][xyz]", 1e-3), tmp_path), tmp_path / "arm.toml")
+    found = CliRunner().invoke(app, ["robot", "check", str(path)])
+    assert found.output.rstrip().endswith("every body could exist, if there were matter so dense")
+
+
 def test_sound_inertias_are_not_asked_about() -> None:
     """Measured ones of which noise is left, thin rods, point masses beside them."""
     bare = irb.load_robot("ur10e")
