@@ -30,6 +30,8 @@ CLOCKS = {
     2.5: "the clock looks 2.5 times too fast",
 }
 
+PARALLEL = 0.9999
+"""cosine between axes 2 and 3 from which their angles can be added"""
 BESIDE = "; beside it "
 """between two things that are read otherwise"""
 
@@ -166,6 +168,7 @@ def _conventions(robot: Robot, plain: Reading) -> Iterator[Reading]:
     """Link angles theta = A q instead of actuator angles, and the other way round."""
     A = robot.A
     if (np.eye(robot.n) == A).all():
+        yield from _from_the_base(robot, plain)
         return
     back: Array = np.asarray(np.linalg.inv(A), dtype=float)
     joints = tuple(int(j) + 1 for j in np.flatnonzero(np.abs(A - np.eye(robot.n)).sum(axis=1)))
@@ -185,6 +188,36 @@ def _conventions(robot: Robot, plain: Reading) -> Iterator[Reading]:
         says="torques look like those between the links, not those of the actuators",
         torques=A.T,
         fits={"torques": "link"},
+    )
+
+
+def _from_the_base(robot: Robot, plain: Reading) -> Iterator[Reading]:
+    """Axis 3 counted from the base, not from link 2, where its motor stands on link 2 (what a
+    controller of FANUC shows, and no URDF does) or on the base (a parallelogram).
+    """
+    if robot.n < 3:
+        return
+    along = float(robot.links[2].frame.matrix()[2, 2])
+    if abs(along) < PARALLEL:
+        return
+    A = np.eye(robot.n)
+    A[2, 1] = -np.sign(along)
+    back = np.eye(robot.n)
+    back[1, 2] = np.sign(along)
+    sign = "-" if along > 0.0 else "+"
+    where = "the log counts joint 3 from the base, not from link 2"
+    one = replace(plain, kind="coupling", angles=A, joints=(3,), fits={"angles": "base"})
+    yield replace(
+        one,
+        says=f"{where}, as controllers of FANUC show it: the angle of this robot file is q3 {sign} "
+        "q2 of the log, write that in its place; the torques stay",
+    )
+    yield replace(
+        one,
+        says=f"{where}, torques too, as where a parallelogram drives it: `irb2400 robot import "
+        f"--coupling 3,2,{sign}1`",
+        torques=back,
+        fits={"angles": "base", "torques": "base"},
     )
 
 
