@@ -45,8 +45,10 @@ FEWEST = 200
 SHORTEST = 8.0
 """[s] of a log: the error of the delay is from how its seconds disagree"""
 SETTLED = 5e-5
-"""[s] change at which a delay is done"""
-ROUNDS = 8
+"""[s] change at which a delay is done, or"""
+OF_ERROR = 0.05
+"""of its standard error: what few seconds tell goes to and fro by more"""
+ROUNDS = 30
 
 
 @dataclass(frozen=True)
@@ -91,7 +93,7 @@ def late_torques(model: Model, part: Recording) -> Late | None:
         delay += more
         if abs(delay) > MOST or not _clear(delay, error):
             return None
-        if abs(more) < SETTLED:
+        if abs(more) < max(SETTLED, OF_ERROR * error):
             return Late(part.motion.name, delay, error)
     return None
 

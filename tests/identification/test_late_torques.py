@@ -26,6 +26,7 @@ from irb2400_ctrl.model import Model
 from irb2400_ctrl.report.pages.identification_page import lines
 
 identifying = import_module("irb2400_ctrl.identification.identify")
+late_fitting = import_module("irb2400_ctrl.identification.late_torques")
 ROBOT = possible_robot()
 NAMES = [f"{what}_{j}" for what in ("coulomb", "viscous", "rotor") for j in range(1, 7)]
 
@@ -97,6 +98,20 @@ def test_of_a_sound_log_nothing_is_said_or_moved() -> None:
     assert not found.late
     assert found.robot.effects == in_robot(found.robot, [None]).effects
     assert not any("than the angles" in line for line in lines(found))
+
+
+def test_a_delay_that_settles_slowly_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of 20 s with torques 20 ms late it went to and fro by less than its error, and was none."""
+
+    class Slow:
+        def step(self, delay: float) -> tuple[float, float]:
+            return 1.6 * (0.02 - delay), 2e-3
+
+    monkeypatch.setattr(late_fitting._DelayFit, "of", lambda model, part: Slow())
+    (part,) = recordings([motion_of(sound(), "angle")])
+    found = late_torques(Model(fit_base(ROBOT)[0]), part)
+    assert found is not None
+    assert found.delay == pytest.approx(0.02, abs=1e-4)
 
 
 @pytest.mark.parametrize(("seconds", "told"), [(7.4, False), (9.0, True)])
