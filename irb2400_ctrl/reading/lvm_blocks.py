@@ -132,7 +132,10 @@ class _Rows:
             cells.pop()
         pairs = self.times == "multi"
         channels = cells[1::2] if pairs else cells[1:]
-        units = [*self.units, *[""] * len(channels)]
+        stated = self.units
+        if pairs and not any(stated[1::2]):
+            stated = stated[::2]  # above the column of each channel, none above those of the times
+        units = [*stated, *[""] * len(channels)]
         named = [_with_unit(name, unit) for name, unit in zip(channels, units, strict=False)]
         names = ("time_s" if self.kind == "Time" else cells[0], *named)
         if self.names and names != self.names:

@@ -71,6 +71,15 @@ def test_a_measurement_file_of_labview(columns: str, packets: int, tmp_path: Pat
     same(read_log(path), LOG)
 
 
+def test_units_stand_above_the_channels_and_nothing_above_their_times(tmp_path: Path) -> None:
+    """As LabVIEW writes it; every second channel had no unit, and others a wrong one."""
+    told = "\t".join([*["rad"] * 6, *["Nm"] * 6])
+    assert told in lvm("Multi")
+    path = tmp_path / "log.lvm"
+    path.write_text(lvm("Multi").replace(told, told.replace("\t", "\t\t") + "\t"), newline="")
+    same(read_log(path), LOG)
+
+
 @pytest.mark.parametrize(("separator", "comma"), [(";", True), ("\t", True), (",", False)])
 def test_its_separators_and_decimal_commas(separator: str, comma: bool, tmp_path: Path) -> None:
     path = tmp_path / "log.lvm"
