@@ -81,3 +81,21 @@ def test_words_below_are_names_where_each_column_then_has_its_own(
     found = grouped_names(above, below.split(" "), str.isdigit)
     assert (names is None) == (found is None)
     assert found is None or ",".join(found).startswith(str(names))
+
+
+@pytest.mark.parametrize(
+    "titles",
+    [
+        ["Run 3, Monday", *[""] * 12],
+        ["Date", "24.05.2024", *[""] * 11],
+    ],
+)
+def test_a_title_that_a_spreadsheet_pads_is_no_header(titles: list[str], tmp_path: Path) -> None:
+    """It was "the first line is 'Run 3, Monday;;;;;;;;;;;;', expected comma-separated names"."""
+    fill = [""] * 5
+    above = ["Time [s]", "Position [deg]", *fill, "Torque [Nm]", *fill]
+    path = written(tmp_path / "a.csv", above, ["", *AXES, *AXES])
+    path.write_text(";".join(titles) + "\n" + ";" * 12 + "\n" + path.read_text())
+    found = read_log(path)
+    np.testing.assert_allclose(found.q, LOG.q, atol=1e-9)
+    np.testing.assert_allclose(found.tau, LOG.tau, atol=1e-9)

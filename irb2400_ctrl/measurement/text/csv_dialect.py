@@ -13,6 +13,8 @@ from irb2400_ctrl.errors import InputError
 COMMENTS = ("#", "%", "//")
 MOST_TITLES = 20
 """lines that may stand above the header: of one cell, or of fewer than the samples have"""
+FEWEST_NAMES = 3
+"""of a header: a time, an angle and a torque"""
 LOOKED_AT = 1000
 """lines with quotes, each of which is taken apart"""
 EMPTY = " ,;\t\0"
@@ -121,8 +123,12 @@ def _is_header(lines: list[str], dialect: Dialect) -> bool:
     """Whether this line holds three names or more, and the next two lines as many cells."""
     below = [line for line in lines[dialect.skip + 1 :][:MOST_TITLES] if line.strip(EMPTY)][:2]
     names = dialect.names(lines[dialect.skip], below[0] if below else "")
+    called = sum(map(bool, names))
+    # spreadsheets pad a title to the width of the samples; groups stand beside a time or nothing
+    title = called < FEWEST_NAMES - (not names[0])
     return (
-        len(names) > 2
+        len(names) >= FEWEST_NAMES
+        and not title
         and not any(is_number(name, dialect) for name in names)
         and bool(below)
         and all(len(dialect.cells(line)) == len(names) for line in below)
