@@ -23,6 +23,25 @@ LEAST_ROWS = 20
 """of a record"""
 MOSTLY = 0.9
 """share of the steps back that stay within a second where digits are lost"""
+_WRAPPED = "a counter of {} bits that wraps"
+SET_BACK = {
+    3600.0: "the clock was set back by an hour, as at the end of summer time",
+    86400.0: "the clock passes midnight",
+    2**16 * 1e-3: _WRAPPED.format(16),
+    2**32 * 1e-3: _WRAPPED.format(32),
+    2**32 * 1e-6: _WRAPPED.format(32),
+    2**32 * 1e-9: _WRAPPED.format(32),
+}
+"""seconds by which a clock goes back once, and what it is then"""
+
+
+def _set_back(by: float, step: float) -> str:
+    """What a clock is that goes back once by so many seconds, a step of its rows less, and on from
+    there; nothing where that is not told."""
+    for seconds, what in SET_BACK.items():
+        if abs(by + step - seconds) < 2.0 * step:
+            return f"{what}: add {seconds:.10g} s to the times from there on"
+    return ""
 
 
 @dataclass(frozen=True)
@@ -105,6 +124,8 @@ class Log:
         back = np.flatnonzero(steps <= 0)
         k = int(back[0])
         whole = np.floor(self.time)
+        if len(back) == 1 and (told := _set_back(-steps[k], float(np.median(steps)))):
+            return told
         if self._begins_again(back) and (steps[back] < 0).all():
             lengths = np.diff(back)
             if len(back) > 2 and np.ptp(lengths) <= 1:

@@ -48,6 +48,22 @@ def test_runs_one_after_another_are_told_however_many() -> None:
     assert "another record begins there" in told(np.concatenate(runs))
 
 
+@pytest.mark.parametrize(
+    ("back", "says"),
+    [
+        (3600.0, "set back by an hour, as at the end of summer time: add 3600 s"),
+        (86400.0, "passes midnight: add 86400 s"),
+        (2**32 * 1e-6, "a counter of 32 bits that wraps: add 4294.967296 s"),
+        (65.536, "a counter of 16 bits that wraps: add 65.536 s"),
+        (3601.0, "another record begins there"),
+    ],
+)
+def test_a_clock_that_was_set_back_once_is_no_other_record(back: float, says: str) -> None:
+    """Each was said to be another record, to be put into a file of its own."""
+    half = len(LOG.time) // 2
+    assert says in told(LOG.time + back * (np.arange(len(LOG.time)) < half))
+
+
 def test_a_few_rows_before_the_clock_is_set_are_no_record() -> None:
     early = np.concatenate([LOG.time[:5], LOG.time[:-5]])
     assert "another record" not in told(early)
