@@ -221,6 +221,20 @@ def test_structures_with_time_show_their_map(tmp_path: Path) -> None:
     same(read_log(path, columns=suggested(path)), LOG)
 
 
+def test_no_signal_of_a_joint_and_no_pose_is_the_time(tmp_path: Path) -> None:
+    """Of Yaskawa's axes it was `T_PULSE`, of a Franka the first number of `O_T_EE`."""
+    still = np.zeros_like(T)
+    path = written(
+        tmp_path / "a.csv", {"O_T_EE_1": still, "host time": T, "q_{j}": Q, "tau_{j}": TAU}
+    )
+    same(read_log(path, columns=suggested(path)), LOG)
+    axes = dict(zip("SLURBT", range(6), strict=True))
+    columns = {f"{axis}_PULSE": np.round(1e5 * Q[:, j]) for axis, j in axes.items()}
+    path = written(tmp_path / "b.csv", columns | {f"{a}_TRQ": TAU[:, j] for a, j in axes.items()})
+    with pytest.raises(InputError, match="rate_Hz = nan"):
+        read_log(path)
+
+
 def test_columns_of_the_same_kind_are_listed_beside_the_one_that_is_taken(tmp_path: Path) -> None:
     """Of four torques of an arm's own recorder one was proposed and nothing said of the others."""
     columns = {"Time": T, "Position{j}": Q, "Torque{j}": TAU, "TorqueSm{j}": TAU, "Cur{j}": TAU}

@@ -39,6 +39,8 @@ NAMED = "{name}"
 MOST_JOINTS = 16
 DEGREES = 7.0
 """an angle beyond this is hardly in radians"""
+GOES_ON = 0.9
+"""of the rows of a time; a counter may wrap, a clock stand for a row"""
 COUNTS = 720.0
 """whole numbers beyond this are hardly degrees"""
 NEEDED = "and a log needs them (of signals in files of their own, put the columns into one)"
@@ -71,13 +73,14 @@ def suggested_map(columns: Mapping[str, Array], joints: Sequence[str] | None = N
     names = {quantity: patterns[pattern] for quantity, (*_, pattern) in chosen.items()}
     angles = np.column_stack([columns[name] for name in names["q"]])
     size = _size(angles)
-    lines = _time(columns, len(angles))
+    taken = {name for several in names.values() for name in several}
+    lines = _time({n: v for n, v in columns.items() if n not in taken}, len(angles))
     for quantity in ("q", "qd", "tau", "q_ref"):
         # the speeds of counted angles are in any unit
         if quantity in names and (quantity != "qd" or size != "counts"):
             pattern = chosen[quantity][-1]
-            taken = set(names[quantity])
-            others = [other for other in rivals[quantity] if not taken >= set(patterns[other])]
+            own = set(names[quantity])
+            others = [other for other in rivals[quantity] if not own >= set(patterns[other])]
             entry = _entry(quantity, pattern, names[quantity], size)
             lines += _wrapped(entry, angles) if quantity == "q" else entry
             if joints and len(names[quantity]) > len(joints):
@@ -221,7 +224,7 @@ def _time(columns: Mapping[str, Array], rows: int) -> list[str]:
             "",
         ]
     for name, values in columns.items():
-        if len(values) == rows and TIME.fullmatch(name.lower()):
+        if len(values) == rows and _is_clock(name, values):
             scale = unit_by_step(values)
             unit = {1e-3: "ms", 1e-6: "us", 1e-7: "ticks", 1e-9: "ns"}.get(scale, "s")
             rows_alone = len(values) > 1 and bool((np.diff(values) == 1.0).all())
@@ -235,9 +238,16 @@ def _time(columns: Mapping[str, Array], rows: int) -> list[str]:
 def _row(columns: Mapping[str, Array]) -> float:
     """Time from one row to the next [s]; 0 where no column is called as a time is."""
     for name, values in columns.items():
-        if len(values) > 1 and TIME.fullmatch(name.lower()):
+        if len(values) > 1 and _is_clock(name, values):
             return (unit_by_step(values) or 1.0) * float(np.median(np.diff(values)))
     return 0.0
+
+
+def _is_clock(name: str, values: Array) -> bool:
+    """Whether a column is called as a time is, and goes on: the T of `O_T_EE[1]` is a pose."""
+    steps = np.diff(values)
+    goes_on = len(steps) == 0 or bool((steps > 0.0).any() and (steps >= 0.0).mean() > GOES_ON)
+    return goes_on and TIME.fullmatch(name.lower()) is not None
 
 
 def _entry(quantity: str, pattern: str, names: Sequence[str], size: str) -> list[str]:
