@@ -95,7 +95,7 @@ def over_time(
     named = any(line.label for line in lines)
     figure, axis = small(named)
     for line in lines:
-        x, y = thin(time, line.values)
+        x, y = _alone_too(*thin(time, line.values))
         axis.plot(x, y, color=line.colour, lw=line.width, label=line.label or None)
     for limit in limits:
         if np.isfinite(limit):
@@ -152,6 +152,20 @@ def thin(time: Array, values: Array) -> tuple[Array, Array]:
     both = np.stack([np.where(some, low, np.nan), np.where(some, high, np.nan)], axis=1)
     times = np.repeat(time[:count:group], 2)
     return np.append(times, time[-1]), np.append(both.ravel(), values[-1])
+
+
+def _alone_too(time: Array, values: Array) -> tuple[Array, Array]:
+    """With a short stroke for each sample between two gaps, of which no line leads to another."""
+    known = np.isfinite(values)
+    beside = np.convolve(known, [1, 0, 1], "same") > 0
+    alone = np.flatnonzero(known & ~beside)
+    if not len(alone):
+        return time, values
+    half = 0.5 * float(np.ptp(time)) / max(len(time) - 1, 1)
+    drawn = time.copy()
+    drawn[alone] -= half
+    ends = time[alone] + half
+    return np.insert(drawn, alone + 1, ends), np.insert(values, alone + 1, values[alone])
 
 
 def parity(
