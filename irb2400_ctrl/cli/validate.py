@@ -57,15 +57,16 @@ def validate(
     reader = Reader(columns, arm.joint_names, between)
     with step("comparing model and log") as say:
         seen = [reader.read(path, say) for path in logs]
-        result = run(arm, seen)
+        problems = [log_problem(arm, log) for log in seen]
+        told = ["" if one is None else f"is not understood: {one.says}" for one in problems]
+        result = run(arm, seen).with_problems(told)
         result.write(out)
         page = validation_page(result, arm, seen[0])
         page.provenance(provenance(arm))
         page.write(out / "report.html")
-    for log in seen:
-        problem = log_problem(arm, log)
-        if problem is not None:
-            print(f"warning: {log.name} is not understood: {problem.says}", file=sys.stderr)
+    for log in result.logs:
+        if log.problem:
+            print(f"warning: {log.log} {log.problem}", file=sys.stderr)
     print("\n".join(lines(result)))
     written = [out / "validation.json", out / "report.html"]
     return wrote(result.to_json(), written)

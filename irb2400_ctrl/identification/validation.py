@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -28,6 +28,7 @@ class LogComparison:
         time: [s], (m,); q, qd: [rad], [rad/s], measured, modelled: [Nm], (m, n);
         known: samples that count, (m, n).
         remarks: what the reader should know of how it was recorded.
+        problem: why its columns cannot be what they say, where that was asked and is so.
     """
 
     log: str
@@ -38,6 +39,7 @@ class LogComparison:
     modelled: Array
     known: Mask
     remarks: tuple[str, ...] = ()
+    problem: str = ""
 
     @property
     def error(self) -> Errors:
@@ -70,10 +72,19 @@ class Validation:
             "samples": [int(v) for v in sum(log.known.sum(axis=0) for log in self.logs)],
             "error": self.error.to_json(),
             "logs": [
-                {"name": log.log, "error": log.error.to_json(), "remarks": list(log.remarks)}
+                {
+                    "name": log.log,
+                    "error": log.error.to_json(),
+                    "remarks": [*[log.problem] * bool(log.problem), *log.remarks],
+                }
                 for log in self.logs
             ],
         }
+
+    def with_problems(self, problems: Sequence[str]) -> Validation:
+        """With why the columns of each log cannot be what they say; empty where they can."""
+        pairs = zip(self.logs, problems, strict=True)
+        return replace(self, logs=tuple(replace(log, problem=problem) for log, problem in pairs))
 
     def write(self, folder: Path | str) -> None:
         """validation.json."""

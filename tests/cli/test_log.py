@@ -187,6 +187,10 @@ def test_several_logs_are_checked_each_and_validated_together(tmp_path: Path) ->
     assert done.returncode == 0, done.stderr
     assert f"warning: {wrong} is not understood: torque looks like motor side" in done.stderr
     both = json.loads(done.stdout)
+    # what is passed on says it, too
+    says = [" ".join(one["remarks"]) for one in both["logs"]]
+    assert ["is not understood" in told for told in says] == [False, True]
+    assert "wrong.csv is not understood" in (tmp_path / "out" / "report.html").read_text("utf-8")
     assert "--robot irb2400" in done.stderr  # the order of 0.2
     done = run("validate", good, "--out", tmp_path / "one", "--json")
     assert "--robot" not in done.stderr

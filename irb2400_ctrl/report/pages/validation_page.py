@@ -41,6 +41,9 @@ def validation_page(result: Validation, robot: Robot | None = None, log: Log | N
         "note",
         [(f"joint {j + 1}, RMSE/AVG", f"{value:.1f} %") for j, value in enumerate(share)],
     )
+    for seen in result.logs:
+        if seen.problem:
+            page.finding(f"{Path(seen.log).name} {seen.problem}.")
     page.heading("Error (eqs. 75-77)")
     page.table(
         "Errors of the torque, as the paper's Tab. 6" + ", all logs" * several, *rows(result.error)
