@@ -87,7 +87,7 @@ class Reading:
         alike = self.kind == first.kind in TURNED and self.joints and first.joints
         joints = tuple(sorted({*first.joints, *self.joints})) if alike else first.joints
         twice = "" if self.says == first.says else f"{BESIDE}{self.says}"
-        says = _turned(first.kind, joints) if alike else f"{first.says}{twice}"
+        says = turned(first.kind, joints) if alike else f"{first.says}{twice}"
         return replace(
             first,
             says=says,
@@ -116,7 +116,7 @@ def torque_readings(robot: Robot) -> Iterator[Reading]:
 
     yield reading("torque_sign", "all torques look turned over", -np.eye(n), factor=-1.0)
     for j in range(n):
-        says = _turned("torque_sign", (j + 1,))
+        says = turned("torque_sign", (j + 1,))
         yield reading("torque_sign", says, _flipped(n, j), j + 1, factor=-1.0)
     for order in _orders(n):
         yield _in_order(replace(plain, kind="torque_order"), np.eye(n), np.eye(n)[list(order)])
@@ -143,9 +143,9 @@ def motion_readings(robot: Robot) -> Iterator[Reading]:
     yield reading("angle_unit", says, TURN * np.eye(n), factor=TURN)
     yield reading("angle_sign", "all angles look turned over", -np.eye(n), factor=-1.0)
     for j in range(n):
-        says = _turned("angle_sign", (j + 1,))
+        says = turned("angle_sign", (j + 1,))
         yield reading("angle_sign", says, _flipped(n, j), j + 1, factor=-1.0)
-        both = reading("axis_sign", _turned("axis_sign", (j + 1,)), _flipped(n, j), j + 1)
+        both = reading("axis_sign", turned("axis_sign", (j + 1,)), _flipped(n, j), j + 1)
         yield replace(both, torques=_flipped(n, j), fits={"factor": -1.0})
     for order in _orders(n):
         P = np.eye(n)[list(order)]
@@ -221,7 +221,7 @@ def _from_the_base(robot: Robot, plain: Reading) -> Iterator[Reading]:
     )
 
 
-def _turned(kind: str, joints: tuple[int, ...]) -> str:
+def turned(kind: str, joints: tuple[int, ...]) -> str:
     """What a sign of these joints looks like."""
     one, several, against = TURNED[kind]
     what = f"{one} of {named(joints)} looks"

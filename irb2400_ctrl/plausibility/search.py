@@ -38,6 +38,7 @@ from irb2400_ctrl.plausibility.reading import (
     motion_readings,
     torque_readings,
 )
+from irb2400_ctrl.plausibility.rival_signs import with_its_rival
 from irb2400_ctrl.plausibility.rows import Rows, rows_of
 from irb2400_ctrl.plausibility.scales import scale_readings
 from irb2400_ctrl.plausibility.travel import fastest
@@ -190,9 +191,7 @@ def _understood(nominal: Nominal, log: Log, rows: Rows) -> Understanding:
         reading = plain
         best = labelled
     elif otherwise and best.price < FITS_PRICE * scale:
-        problem = strange(reading, best) or LogProblem(
-            reading.kind, reading.says, dict(reading.fits), reading.joints
-        )
+        problem = strange(reading, best) or with_its_rival(reading, best, search.fit)
     elif labelled.price > LOST_PRICE * scale and not alone:
         if pushed(nominal, rows, columns):
             although = PUSHED
