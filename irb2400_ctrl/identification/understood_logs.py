@@ -7,6 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from irb2400_ctrl.arrays import Mask
 from irb2400_ctrl.diagnosis.sound_logs import SortedLogs, sorted_logs
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.identification.identification import LogResult
@@ -77,5 +78,24 @@ def borne_out(found: SortedLogs, results: Sequence[LogResult]) -> list[str]:
                 "arm that was identified fits: the file's numbers are far off"
             )
         elif dark:
-            notes.append(f"{result.name}: {much} on stretches that the fit had not seen")
+            elsewhere = _moves_elsewhere(result, results)
+            once = [j for j in dark if not elsewhere[j - 1]]
+            says = f"{result.name}: {much} on stretches that the fit had not seen"
+            if once:
+                says += (
+                    f"; {named(once)} moved in one part of the record alone, of which a fit "
+                    "without it can tell nothing: another motion tells how true the arm is "
+                    "(--validate LOG)"
+                )
+            notes.append(says)
     return notes
+
+
+def _moves_elsewhere(result: LogResult, results: Sequence[LogResult]) -> Mask:
+    """Joints that move in another log, too, or, where there is none, in both halves of this one: in
+    what a fit sees that has not seen a part, (n,)."""
+    others = [one.q for one in results if one.role == "identification" and one is not result]
+    if not others:
+        halves = [np.ptp(half, axis=0) for half in np.array_split(result.q, 2)]
+        return np.asarray(np.minimum(*halves) > LITTLE)
+    return np.asarray(np.max([np.ptp(q, axis=0) for q in others], axis=0) > LITTLE)

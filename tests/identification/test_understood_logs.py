@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from importlib.resources import files
 from pathlib import Path
 
@@ -9,9 +10,11 @@ import numpy as np
 import pytest
 
 import irb2400_ctrl as irb
+from irb2400_ctrl.diagnosis.sound_logs import SortedLogs
 from irb2400_ctrl.effects.rotor_inertia import RotorInertia
 from irb2400_ctrl.errors import InputError
-from irb2400_ctrl.identification.understood_logs import FAR_FROM_THE_FILE
+from irb2400_ctrl.identification.identification import LogResult
+from irb2400_ctrl.identification.understood_logs import FAR_FROM_THE_FILE, borne_out
 from irb2400_ctrl.plausibility import log_problem
 
 DATA = Path(str(files("irb2400_ctrl") / "data" / "arm"))
@@ -78,3 +81,34 @@ def test_a_log_under_two_names_counts_once(log: irb.Log) -> None:
     found = irb.identify(robot, [log, with_torque(log, 1.0, "copy")])
     assert found.notes[0] == f"left out copy: its samples are those of {log.name}"
     assert [result.name for result in found.logs] == [log.name]
+
+
+def test_of_one_joint_after_another_it_is_said_why_so_much_is_left() -> None:
+    """It was "more than half of the torque is left", of an arm that another motion found true."""
+    time = np.arange(0.0, 40.0, 0.01)
+    q = np.zeros((len(time), 6))
+    q[:, 0] = np.sin(time)
+    q[:2000, 1] = np.sin(time[:2000])
+    known = np.ones(q.shape, dtype=bool)
+    nothing = np.zeros(q.shape)
+    result = LogResult(
+        name="one",
+        role="identification",
+        time=time,
+        q=q,
+        qd=q,
+        measured=q,
+        known=known,
+        before=nothing,
+        fitted=q,
+        unseen=nothing,
+        plain=nothing,
+    )
+    (note,) = borne_out(SortedLogs(), [result])
+    assert "torque of joints 1, 2 is left on stretches" in note
+    assert "; joint 2 moved in one part of the record alone" in note
+    still = replace(result, name="other", q=0.0 * q)
+    (first,) = borne_out(SortedLogs(), [result, still])
+    assert "; joints 1, 2 moved in one part" in first
+    (twice,) = borne_out(SortedLogs(), [replace(result, q=np.roll(q, 1000, axis=0))])
+    assert "moved in one part" not in twice
