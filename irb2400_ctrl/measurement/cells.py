@@ -79,6 +79,17 @@ def all_finite(table: Table, used: set[str]) -> None:
             + (
                 f", where {word[:40]!r} stands; expected {wanted}"
                 if word
-                else "; expected numbers everywhere: delete the rows of lost samples"
+                else f"; expected numbers everywhere: {_cure(table, names)}"
             )
         )
+
+
+def _cure(table: Table, names: list[str]) -> str:
+    """What to do about cells that hold nothing."""
+    if np.isfinite([table.columns[name] for name in names]).all(axis=0).any():
+        return "delete the rows of lost samples"
+    return (
+        "no row holds all signals, as where each stands at times of its own: put them at the times "
+        "of one (pandas: table.set_index(time).interpolate('index'), then keep the rows of that "
+        "one)"
+    )

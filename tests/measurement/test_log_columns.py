@@ -44,6 +44,15 @@ def test_the_first_of_the_cells_that_are_no_numbers_is_said(tmp_path: Path) -> N
     all_finite(table_of(a=[1.0, 2], b=[np.nan, 1]), {"a"})
 
 
+def test_signals_at_times_of_their_own_are_no_lost_samples() -> None:
+    """Of a table in which no row has all of them it was "delete the rows of lost samples"."""
+    nan = np.nan
+    with pytest.raises(InputError, match=r"no row holds all signals.*interpolate"):
+        all_finite(table_of(q=[1.0, nan, 2, nan], tau=[nan, 5.0, nan, 6]), {"q", "tau"})
+    with pytest.raises(InputError, match="delete the rows of lost samples"):
+        all_finite(table_of(q=[1.0, 2, 3, 4], tau=[4.0, nan, nan, nan]), {"q", "tau"})
+
+
 def test_a_column_for_every_joint_and_none_beyond_them() -> None:
     table = table_of(q1_deg=[0.0], q3_deg=[0.0])
     _expect_all(table, "q", {1: "q1_deg", 2: "q2_deg"}, 2)
