@@ -35,8 +35,8 @@ FEWEST = 3
 """of these that tell"""
 FRICTIONLESS = (
     "the torques hold no friction, less than 5 % of them on every joint: those of a controller's "
-    "model (`target_moment` of a Universal Robot), of a simulation or of a command look so, "
-    "measured ones do not"
+    "model (`target_moment` of a Universal Robot), of a simulation or of a command look so, and "
+    "those of sensors behind the gears; of motors measured ones do not"
 )
 
 PARTS = (
