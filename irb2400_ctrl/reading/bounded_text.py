@@ -24,6 +24,8 @@ _WIDE = (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)
 _NAME = r"[\w\-\"']+"
 _DEEP_KEY = re.compile(rf"[\s\[]*{_NAME}(?:[ \t]*\.[ \t]*{_NAME}){{{DEEPEST},}}")
 
+_HALF_A_NUMBER = re.compile(r"^[^#'\"\n]*[=\[,][ \t]*[+-]?(?:\.\d|\d+\.(?!\d))", re.MULTILINE)
+
 # what is said of "C:\Users", where a backslash begins a character that is written otherwise
 _OF_A_BACKSLASH = ("Unescaped", "Invalid hex")
 _HINT = "write a path with /, or in single quotes: 'C:\\arm.toml'"
@@ -82,6 +84,8 @@ def toml_tables(text: str, source: str, what: str) -> dict[str, Any]:
     except tomllib.TOMLDecodeError as error:
         slash = str(error).startswith(_OF_A_BACKSLASH)
         hint = f"; {_HINT}" if slash else ""
+        if _HALF_A_NUMBER.search(text):
+            hint = "; a number has digits on both sides of its point: 0.1 and 122.0"
         other = looks_like(text.partition("\n")[0].split(","), "")
         raise InputError(f"{source} is not TOML, expected {what}: {error}{hint}{other}") from error
     except RecursionError as error:

@@ -127,6 +127,23 @@ def test_a_file_that_is_not_toml_says_so(tmp_path: Path) -> None:
         irb.load_robot(path)
 
 
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("a = [.1, 0.2]", True),
+        ("b = 1.0\nratio = [100.0, -122.]", True),
+        ("a = 1.0 # .5\nb = '= .1'\nc = [[[", False),
+    ],
+)
+def test_half_a_number_is_said(text: str, said: bool, tmp_path: Path) -> None:
+    """As Python writes them; of a column map it was "Unclosed array (at line 9, column 19)"."""
+    path = tmp_path / "arm.toml"
+    path.write_text(text)
+    with pytest.raises(InputError, match="is not TOML") as refused:
+        irb.load_robot(path)
+    assert ("digits on both sides of its point" in str(refused.value)) == said
+
+
 def test_arrays_cannot_be_written(robot: irb.Robot) -> None:
     for array in (robot.A, robot.q_min, robot.friction, robot.inertial_parameters, robot.X_FT):
         with pytest.raises(ValueError, match="read-only"):
