@@ -17,6 +17,7 @@ from irb2400_ctrl.measurement.log import Log
 from irb2400_ctrl.measurement.motion.angle_smoothing import AngleSmoothing, angle_smoothing
 from irb2400_ctrl.measurement.motion.commanded import BLEND, used_angles
 from irb2400_ctrl.measurement.motion.held_samples import released
+from irb2400_ctrl.measurement.motion.lost_rows import with_rows_counted
 from irb2400_ctrl.measurement.motion.recorded_speed import calmer_speed
 from irb2400_ctrl.measurement.torque_filter import TorqueFilter, find_torque_filter
 from irb2400_ctrl.measurement.uniform import (
@@ -99,7 +100,8 @@ class PreparedLog:
     recorders: tuple[TorqueFilter | None, ...] = (None,)
     """what each log's torques went through before they were written"""
     held: tuple[str, ...] = ()
-    """of channels that hold their last value between samples (`held_samples`), by log"""
+    """of channels that hold their last value between samples (`held_samples`) and rows that the
+    clock passes over (`lost_rows`), by log"""
     by_speed: bool = False
     """whether the speed that it recorded stands in for differentiated angles (`recorded_speed`), in
     one of several logs at least"""
@@ -192,7 +194,8 @@ def prepare(log: Log, rate: float | None = None, *, quiet: bool = False) -> Prep
         quiet: smooth measured angles as strongly as their noise asks (`angle_smoothing`), where
             torques are compared as they stand; default alike, and torques go through the same.
     """
-    even = with_time_base(log)
+    counted, rows = with_rows_counted(log)
+    even = with_time_base(counted)
     uniform = resample(even, rate)
     q, instrumented, disobeying = used_angles(uniform, even)
     parts, by_speed, reach = _derived(q, instrumented, even, uniform, quiet)
@@ -234,7 +237,7 @@ def prepare(log: Log, rate: float | None = None, *, quiet: bool = False) -> Prep
         row_time=low_pass.instants(uniform.time[inside]),
         row_known=row_known,
         recorders=(recorder,),
-        held=tuple(filter(None, released(log)[1:])),
+        held=tuple(filter(None, (rows, *released(counted)[1:]))),
         by_speed=by_speed,
         disobeying=disobeying,
     )

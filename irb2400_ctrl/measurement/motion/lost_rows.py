@@ -9,7 +9,7 @@ two joints at least move.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -34,6 +34,10 @@ FEWEST = 50
 """steps that can be asked"""
 LEAST = 6
 """samples that make a step and its neighbours"""
+SEVERAL = 4
+"""places from which on the recorder is to be asked, and"""
+SHARE = 0.002
+"""of the steps that can be asked; fewer are set right"""
 
 
 @dataclass(frozen=True)
@@ -42,13 +46,21 @@ class LostRows:
 
     Args:
         missing: rows behind which some are missing.
+        at_once: steps that are taken there.
         twice: rows that are there again in the next.
         asked: number of steps that could be asked.
     """
 
     missing: Integers
+    at_once: Integers
     twice: Integers
     asked: int
+
+    @property
+    def few(self) -> bool:
+        """Whether so few are missing, or there twice, that each can be set right."""
+        places = max(len(self.missing), len(self.twice))
+        return places < max(SEVERAL, SHARE * self.asked)
 
 
 def lost_rows(log: Log) -> LostRows | None:
@@ -77,9 +89,47 @@ def lost_rows(log: Log) -> LostRows | None:
     again = ((here == 0.0) | ~told)[asked].all(axis=1)
     return LostRows(
         missing=place[missing],
+        at_once=whole[missing].astype(np.int64),
         twice=place[again],
         asked=len(place),
     )
+
+
+def with_rows_counted(log: Log) -> tuple[Log, str]:
+    """A log whose clock knows of a row that is missing or there twice, and what to say of that; the
+    log itself and nothing where there is none, or where they are not few.
+
+    All joints that move take two of their steps at once there, or none: no arm does.
+    """
+    found = lost_rows(log)
+    if found is None or not found.few or not len(found.missing) + len(found.twice):
+        return log, ""
+    period = float(np.median(np.diff(log.time)))
+    late = np.zeros(len(log.time))
+    for place, steps in zip(found.missing, found.at_once, strict=True):
+        late[place + 1 :] += (steps - 1) * period
+    for place in found.twice:
+        late[place + 1 :] -= period
+    said = []
+    for places, what in ((found.missing, "are missing"), (found.twice, "are there twice")):
+        if len(places):
+            at = ", ".join(f"{log.time[place]:.2f}" for place in places[:SEVERAL])
+            more = f" and {len(places) - SEVERAL} times more" * (len(places) > SEVERAL)
+            said.append(
+                f"rows {what} at {at} s{more}: the clock passes over them, as all joints that move "
+                "tell; set right"
+            )
+    kept = np.delete(np.arange(len(late)), found.twice + 1)
+    counted = replace(
+        log,
+        time=(log.time + late)[kept],
+        q=log.q[kept],
+        tau=log.tau[kept],
+        qd=None if log.qd is None else log.qd[kept],
+        q_ref=None if log.q_ref is None else log.q_ref[kept],
+        extra={name: np.asarray(column)[kept] for name, column in log.extra.items()},
+    )
+    return counted, "; ".join(said)
 
 
 def _even(passed: Array) -> Mask:

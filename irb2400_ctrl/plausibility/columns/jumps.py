@@ -32,10 +32,6 @@ RARE = 0.01
 LEAP = 5.0
 """speed of one step over the fastest of the record, and over that of its neighbours"""
 TURN = 2.0 * np.pi
-UNCOUNTED = 0.002
-"""share of the rows that are missing, or there twice, under an even clock, and"""
-SEVERAL = 4
-"""of them at least"""
 
 
 def spikes(log: Log) -> LogProblem | None:
@@ -211,12 +207,10 @@ def uncounted(log: Log) -> LogProblem | None:
     """Rows that are missing, or there twice, under a clock that goes on evenly."""
     new = released(log)[0]
     found = lost_rows(new)
-    if found is None:
+    if found is None or found.few:
         return None
     missing = len(found.missing) >= len(found.twice)
     places = found.missing if missing else found.twice
-    if len(places) < max(SEVERAL, UNCOUNTED * found.asked):
-        return None
     # of a host that polls a recorded speed tells what the angles do not
     if log.qd is not None and log.duration > SHORTEST and prepare(log).by_speed:
         return None
