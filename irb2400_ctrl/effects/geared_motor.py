@@ -40,9 +40,10 @@ class GearedMotor(Effect):
 
     kind: Literal["geared_motor"] = "geared_motor"
     ratio: float = Field(
-        default=0.0, description="turns of the motor with the axis before, per turn with its own r"
+        default=0.0,
+        description="turns of the motor with the axis before, per turn with its own r [-]",
     )
-    far_ratio: float = Field(default=0.0, description="the same of the axis before that r'")
+    far_ratio: float = Field(default=0.0, description="the same of the axis before that r' [-]")
     inertia_kgm2: float = Field(default=0.0, description="rotor inertia I at its axis [kg m2]")
     viscous_Nms_rad: float = Field(default=0.0, description="viscous friction D [Nm s/rad]")
     coulomb_Nm: float = Field(default=0.0, description="dry friction F [Nm]")

@@ -212,7 +212,7 @@ def effects_of(schema: dict[str, Any]) -> list[dict[str, str]]:
         ("irb2400 codegen --target co", 3, ["cortex-m4f", "cortex-m7"]),
         ("irb2400 codegen --controller m", 3, ["momentum_observer"]),
         ("irb2400 simulate t.csv --controller g", 4, ["gravity_pd"]),
-        ("irb2400 explain gear", 2, ["gear_ripple"]),
+        ("irb2400 explain gear", 2, ["gear_ripple", "geared_motor"]),
         ("irb2400 excite --for gai", 3, ["gain"]),
         ("irb2400 plan --robot u", 3, ["ur10e"]),
         ("irb2400 robot show p", 3, ["puma560"]),
