@@ -164,5 +164,3 @@ VISCOUS = Ambiguity(
     measure_else="record the same motion again when warm, half an hour later",
     motions=("slow", "swing", "lively", "fast", "alone"),
 )
-DRIVES = frozenset(one.group for one in (DELAY, FRICTION_LEVEL, OFFSET, VISCOUS))
-"""groups of what a drive and its channel do whatever the bodies are"""

@@ -14,7 +14,7 @@ from irb2400_ctrl.diagnosis.comparison.own_friction import OwnFriction
 from irb2400_ctrl.diagnosis.comparison.step import of_one_moment
 from irb2400_ctrl.diagnosis.estimation.candidate import Candidate
 from irb2400_ctrl.effects import LIBRARY
-from irb2400_ctrl.effects.ambiguity import DELAY, DRIVES, BaseTerm
+from irb2400_ctrl.effects.ambiguity import BaseTerm
 from irb2400_ctrl.effects.base import OPEN_END_S
 from irb2400_ctrl.measurement.prepared_log import PreparedLog
 from irb2400_ctrl.robot import Robot
@@ -41,8 +41,7 @@ class Criteria:
         wider: times as uncertain all numbers of the robot may be, as a rival of the best name.
         energy: its energy over what the base alone leaves on that joint.
         torque: its rms torque over the joint's (of a friction: `OwnFriction`); torque_beside_law:
-            the same where its law alone gains less than `by_law` of what it gains with discrepancy;
-            of_drives: share of either that is enough of `DRIVES`, for which no body passes.
+            the same where its law alone gains less than `by_law` of what it gains with discrepancy.
         largest: its rms torque over the joint's, above which it only cancels another one.
         moving: share of its gain, `gain` at most, that an effect of `Search.shows_moving` has away
             from reversals; same_size: times larger or smaller at most that it is there.
@@ -72,7 +71,6 @@ class Criteria:
     energy: float = 0.05
     torque: float = 0.01
     torque_beside_law: float = 0.02
-    of_drives: float = 0.5
     by_law: float = 0.25
     largest: float = 1.5
     moving: float = 0.2
@@ -166,12 +164,13 @@ class Threshold:
         size = rms(torque)
         # by discrepancy from its law alone, which the base takes in: a good size speaks for it
         least = c.torque if alternative.by_its_law(c.by_law) else c.torque_beside_law
-        group = LIBRARY[candidate.kind].ambiguity.group if candidate.known else ""
-        if group in DRIVES:
-            least *= c.of_drives
+        shown = size
         if candidate.rattles:
             least = 0.0  # nine tenths of it are quicker than what is compared
-        shown = size / QUICK if candidate.devices or group == DELAY.group else size
+        elif candidate.devices or (
+            candidate.known and all(e.chain == "clock" for e in candidate.effects)
+        ):
+            shown = size / QUICK
         if candidate.devices:
             shown = np.maximum(shown, comparison.sampled_rms(candidate))
         large = (size > np.sqrt(c.energy * comparison.energy)) & (size > self.usual)
