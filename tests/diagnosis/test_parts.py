@@ -87,7 +87,7 @@ def test_a_law_of_the_users_own_may_differentiate_a_signal() -> None:
 
     class Slope(EncoderZero):
         sentence: ClassVar[str] = "a wrong zero, written out"
-        example: ClassVar[Mapping[str, Any]] = {"offset_rad": 0.01}
+        example: ClassVar[Mapping[str, Any]] = {"zero_rad": 0.01}
         kind: Literal["slope"] = "slope"  # type: ignore[assignment]
 
         def basis(self, s: Signals) -> ca.SX:
