@@ -194,8 +194,7 @@ def prepare(log: Log, rate: float | None = None, *, quiet: bool = False) -> Prep
         quiet: smooth measured angles as strongly as their noise asks (`angle_smoothing`), where
             torques are compared as they stand; default alike, and torques go through the same.
     """
-    counted, rows = with_rows_counted(log)
-    even = with_time_base(counted)
+    even, held = _evenly(log)
     uniform = resample(even, rate)
     q, instrumented, disobeying = used_angles(uniform, even)
     parts, by_speed, reach = _derived(q, instrumented, even, uniform, quiet)
@@ -237,10 +236,18 @@ def prepare(log: Log, rate: float | None = None, *, quiet: bool = False) -> Prep
         row_time=low_pass.instants(uniform.time[inside]),
         row_known=row_known,
         recorders=(recorder,),
-        held=tuple(filter(None, (rows, *released(counted)[1:]))),
+        held=held,
         by_speed=by_speed,
         disobeying=disobeying,
     )
+
+
+def _evenly(log: Log) -> tuple[Log, tuple[str, ...]]:
+    """A log with its time base rebuilt, and what was done to its rows."""
+    # what is held, or repeated under a time of its own, is no row that the clock passes over
+    fresh, held = released(log)
+    counted, rows = with_rows_counted(fresh)
+    return with_time_base(counted if rows else log), tuple(filter(None, (rows, held)))
 
 
 def _derived(
