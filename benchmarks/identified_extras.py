@@ -8,7 +8,7 @@ sheet, with one effect on a drawn joint that makes 2 to 8 % of its torque, and 3
 laws' shapes are drawn as well. Printed: of how many arms the robot file that comes out has the
 effect on that joint, and of how many it has an effect on another joint, or of another kind; the
 RMSE on another motion over that of plain least squares (base parameters, friction, offset, rotor),
-on the joint and on all.
+on the joint and on all; of motors that another axis turns, by how much their ratios are off.
 """
 
 from __future__ import annotations
@@ -43,6 +43,17 @@ def case_of(robot: irb.Robot, seed: int, kind: str) -> tuple[PossibleCase, int |
     return PossibleCase(robot, seed, SECONDS, Effect(kind, joint, size)), joint
 
 
+def ratios_off(case: PossibleCase, robot: irb.Robot) -> list[float]:
+    """By how much the ratio of the motor that an arm's coupling turns is off, where it is found."""
+    return [
+        abs(effect.ratio - drawn.shape[0])
+        for drawn, _, _ in case.sized_effects
+        for effect in robot.effects
+        if drawn.effect.kind == "wrist_coupling"
+        and (effect.kind, effect.joint) == ("geared_motor", drawn.partner)
+    ]
+
+
 def main() -> None:
     """Command line."""
     parser = argparse.ArgumentParser(
@@ -58,6 +69,7 @@ def main() -> None:
         others = 0
         ratios = []
         own = []
+        off: list[float] = []
         for seed in range(args.first, args.first + args.arms):
             case, joint = case_of(robot, seed, kind)
             fitted, judge = (as_read(case.recorded(which), "log") for which in (0, 1))
@@ -70,6 +82,7 @@ def main() -> None:
                 # the plant's: the next joint's motor turns along
                 expected.add(("geared_motor", joint + 1))
             right += bool(told & expected)
+            off += ratios_off(case, found.robot)
             others += bool(told - expected)
             ratios.append(ratio)
             if joint is not None:
@@ -88,6 +101,8 @@ def main() -> None:
                 f"  on the joint that has it {np.exp(np.log(own).mean()):.3f}, "
                 f"{min(own):.2f} to {max(own):.2f}"
             )
+        if off:
+            print(f"  ratios of motors off by {np.median(off):.3f}, at most {max(off):.3f}")
 
 
 if __name__ == "__main__":

@@ -6,8 +6,10 @@ from collections.abc import Mapping, Sequence
 from typing import Any, ClassVar, Literal
 
 import casadi as ca
+import numpy as np
 from pydantic import Field
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.effects.ambiguity import COUPLING, Ambiguity
 from irb2400_ctrl.effects.base import Effect
 from irb2400_ctrl.effects.drawing import Drawing
@@ -60,10 +62,8 @@ class GearedMotor(Effect):
         return columns
 
     def turns(self, n: int) -> tuple[Any, ...]:
-        """e, turns of the motor per turn of each of n joints."""
-        j = self.index
-        by = {j: 1.0, j - 1: self.ratio, j - 2: self.far_ratio}
-        return tuple(by.get(k, 0.0) for k in range(n))
+        """`turns_of` this one."""
+        return turns_of(self.index, (self.ratio, self.far_ratio), n)
 
     @classmethod
     def grid(cls, joint: int | None) -> list[dict[str, float]]:
@@ -72,3 +72,31 @@ class GearedMotor(Effect):
     @classmethod
     def joints(cls, n: int) -> Sequence[int]:
         return (AXES - 1, AXES) if n == AXES else ()
+
+
+def turns_of(j: int, ratios: tuple[Any, Any], n: int) -> tuple[Any, ...]:
+    """e, turns of a motor per turn of each of n joints.
+
+    Args:
+        j: its own, from 0; ratios: r and r'; n: joints.
+    """
+    by = {j: 1.0, j - 1: ratios[0], j - 2: ratios[1]}
+    return tuple(by.get(k, 0.0) for k in range(n))
+
+
+def along(motion: tuple[Array, Array], turns: tuple[float, ...], j: int) -> Array:
+    """`GearedMotor.basis` along a motion, shape (m, n, 3): per unit of I, D and F.
+
+    Args:
+        motion: qd [rad/s] and qdd [rad/s2], (m, n) each; turns: e; j: its own joint, from 0.
+    """
+    e = np.array(turns)
+    qd, qdd = motion
+    found = np.empty((*qd.shape, 3))
+    w = qd @ e
+    together = (qdd @ e, w, np.sign(w))
+    alone = (qdd[:, j], qd[:, j], np.sign(qd[:, j]))
+    for column, (with_others, of_its_own) in enumerate(zip(together, alone, strict=True)):
+        found[:, :, column] = np.outer(with_others, e)
+        found[:, j, column] -= of_its_own
+    return found

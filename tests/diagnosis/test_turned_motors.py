@@ -12,9 +12,12 @@ from diagnosis.plain_motion import motion
 import irb2400_ctrl as irb
 from irb2400_ctrl.diagnosis.preparation import base_prior
 from irb2400_ctrl.diagnosis.preparation.base_prior import BasePrior
+from irb2400_ctrl.diagnosis.preparation.identified_prior import IdentifiedPrior
 from irb2400_ctrl.diagnosis.preparation.turned_motors import TurnedMotors, _share
 from irb2400_ctrl.effects import LIBRARY
 from irb2400_ctrl.effects.geared_motor import GearedMotor
+from irb2400_ctrl.identification.fitting.columns import ColumnLayout
+from irb2400_ctrl.robot import Identified
 
 STIFFER = 1.25
 
@@ -44,13 +47,29 @@ def motor_of(one: irb.Robot) -> GearedMotor:
     return found
 
 
-def test_the_base_has_them_stiffer_together() -> None:
-    prior = BasePrior.of(robot(), robot().uncertainty, motion())
-    n = robot().n
+def stiffer(prior: BasePrior) -> np.ndarray:
+    """Deviations of the base by which joint 6 is stiffer."""
     z = np.zeros(len(prior.sigmas()))
     for kind, column in ((3, 1), (2, 2)):
-        place = len(z) - kind * n + 5
+        place = len(z) - kind * robot().n + 5
         z[place] = (STIFFER - 1.0) * robot().friction[5, column] / prior.sigmas()[place]
+    return z
+
+
+def test_an_arm_that_was_identified_has_them_stiffer_together() -> None:
+    names = ColumnLayout(6).names()
+    known = Identified.of(names, 1e-4 * np.eye(len(names)))
+    one = robot().model_copy(update={"identified": known})
+    prior = IdentifiedPrior.of(one, one.uncertainty, motion())
+    updated = prior.updated(np.concatenate([stiffer(prior.base), np.zeros(12)]))
+    assert motor_of(updated).coulomb_Nm == pytest.approx(motor_of(robot(STIFFER)).coulomb_Nm)
+    # offsets and rotors are told beside it
+    assert {"torque_offset", "rotor_inertia"} <= {effect.kind for effect in updated.effects}
+
+
+def test_the_base_has_them_stiffer_together() -> None:
+    prior = BasePrior.of(robot(), robot().uncertainty, motion())
+    z = stiffer(prior)
     updated = prior.updated(z)
     assert motor_of(updated).coulomb_Nm == pytest.approx(motor_of(robot(STIFFER)).coulomb_Nm)
     assert motor_of(updated).viscous_Nms_rad == pytest.approx(

@@ -129,7 +129,7 @@ def test_arms_of_other_than_six_axes_are_offered_none() -> None:
 def test_a_ratio_near_nothing_is_nothing() -> None:
     assert _motor(5, [0.02]).ratios == (0.0, 0.0)
     assert _motor(6, [0.5, -0.01]).ratios == (0.5, 0.0)
-    assert _motor(6, [0.5, -0.01]).turns == [(5, 1.0), (4, 0.5)]
+    assert _motor(6, [0.5, -0.01]).turns == (0.0, 0.0, 0.0, 0.0, 0.5, 1.0)
 
 
 def test_nothing_is_offered_where_one_axis_of_the_wrist_was_not_recorded() -> None:

@@ -92,6 +92,15 @@ def test_a_log_whose_rows_are_all_there_stays_as_it_is() -> None:
     assert with_rows_counted(slipped)[0] is slipped
 
 
+def test_a_row_that_is_repeated_under_a_time_of_its_own_is_none() -> None:
+    """A host that reads once before there is a new sample: the step behind it is of two, and the
+    time is right."""
+    rows = np.arange(2500)
+    rows[900] = 899
+    stale = of_rows(log(), rows)
+    assert with_rows_counted(stale) == (stale, "")
+
+
 def test_a_prepared_log_says_so_and_has_no_blow_there() -> None:
     sound, broken = (prepare(one) for one in (log(), without(1200)))
     assert any("rows are missing at 4.80 s" in remark for remark in broken.remarks)

@@ -98,11 +98,11 @@ class IdentifiedPrior:
         n = self.robot.n
         k = len(self.root) - 2 * n
         drives = deviations[k:].reshape(2, n)
-        effects = list(self.robot.effects)
+        updated = self.base.updated(deviations[:k])
+        effects = list(updated.effects)
         for (kind, field), change in zip(DRIVE_EFFECTS.items(), drives, strict=True):
             for j in range(n):
                 effects = _shifted(effects, kind, field, j + 1, float(change[j]))
-        updated = self.base.updated(deviations[:k])
         return updated.model_copy(update={"effects": tuple(effects)})
 
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from irb2400_ctrl.arrays import Array
-from irb2400_ctrl.effects.geared_motor import GearedMotor
+from irb2400_ctrl.effects.geared_motor import GearedMotor, along
 from irb2400_ctrl.robot import Robot
 
 
@@ -43,15 +43,11 @@ class TurnedMotors:
         Args:
             qd: [rad/s], shape (m, n).
         """
-        for motor, *shares in self.motors:
-            turns = np.array(motor.turns(qd.shape[1]))
-            j = motor.index
-            for kind, (share, with_others, alone) in enumerate(
-                zip(shares, _signals(qd @ turns), _signals(qd[:, j]), strict=True)
-            ):
-                torque = share * np.outer(with_others, turns)
-                torque[:, j] -= share * alone
-                yield kind, j, torque
+        for motor, dry, viscous in self.motors:
+            # inertia asks for accelerations, and friction does not
+            torques = along((qd, np.zeros_like(qd)), motor.turns(qd.shape[1]), motor.index)
+            yield 0, motor.index, dry * torques[:, :, 2]
+            yield 1, motor.index, viscous * torques[:, :, 1]
 
     def updated(self, robot: Robot, dry: Array, viscous: Array) -> Robot:
         """The robot whose motors have their share of a change of friction.
@@ -79,7 +75,3 @@ class TurnedMotors:
 
 def _share(of_motor: float, of_joint: float) -> float:
     return float(np.clip(of_motor / of_joint, 0.0, 1.0)) if of_joint > 0.0 else 0.0
-
-
-def _signals(speed: Array) -> tuple[Array, Array]:
-    return np.sign(speed), speed

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from irb2400_ctrl.arrays import Array, Integers, Mask
+from irb2400_ctrl.effects.geared_motor import along, turns_of
 from irb2400_ctrl.effects.wrist_coupling import AxisCoupling, FarWristCoupling, WristCoupling
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.model.base_parameters import NAMES
@@ -76,15 +77,13 @@ class Extra:
         """Zero-based joints whose torque it changes."""
         here = self.joint - 1
         if self.kind == "motor":
-            return tuple(k for k, ratio in self.turns if abs(ratio) > FELT)
+            return tuple(k for k, ratio in enumerate(self.turns) if abs(ratio) > FELT)
         return (here, here + COUPLED[self.kind].along()) if self.kind in COUPLED else (here,)
 
     @property
-    def turns(self) -> list[tuple[int, float]]:
-        """(zero-based joint, turns of the motor per turn of it) of a motor."""
-        here = self.joint - 1
-        far = [(here - k, ratio) for k, ratio in enumerate(self.ratios, 1) if ratio]
-        return [(here, 1.0), *far]
+    def turns(self) -> tuple[float, ...]:
+        """Turns of a motor per turn of each joint up to its own."""
+        return turns_of(self.joint - 1, self.ratios, self.joint)
 
 
 @dataclass(frozen=True)
@@ -223,28 +222,22 @@ def _drive_signals(
                 yield first, joint, slope[:, joint]
             continue
         if extra.kind == "motor":
-            for place, joint, one in motor_signals(extra, qd, states[2]):
-                yield first + place, joint, one
+            torques = motor_torques(extra, qd, states[2])
+            for place, joint in np.ndindex(extra.size, extra.joint):
+                yield first + place, joint, torques[:, joint, place]
             continue
         for place, (joint, one) in enumerate(_extra_signals(model, extra, states, load)):
             yield first + place, joint, one
 
 
-def motor_signals(extra: Extra, qd: Array, qdd: Array) -> Iterator[tuple[int, int, Array]]:
-    """(column, zero-based joint, signal (m,)) of a motor that other axes turn, less what it is of
-    its own axis alone, as the columns of that drive have it.
+def motor_torques(extra: Extra, qd: Array, qdd: Array) -> Array:
+    """Torques on the joints up to its own per unit of the columns of a motor, shape (m, joint, 3).
 
     Args:
         extra: with its ratios; qd, qdd: [rad/s], [rad/s2], shape (m, n).
     """
-    speed, acceleration = (
-        np.asarray(sum(ratio * signal[:, k] for k, ratio in extra.turns)) for signal in (qd, qdd)
-    )
-    j = extra.joint - 1
-    alone = (qdd[:, j], qd[:, j], np.sign(qd[:, j]))
-    for place, signal in enumerate((acceleration, speed, np.sign(speed))):
-        for k, ratio in extra.turns:
-            yield place, k, ratio * signal - alone[place] if k == j else ratio * signal
+    here = slice(extra.joint)
+    return along((qd[:, here], qdd[:, here]), extra.turns, extra.joint - 1)
 
 
 def _slope(model: Model, bodies: Sequence[float], states: States, j: int) -> Array:

@@ -15,7 +15,7 @@ from scipy.optimize import minimize
 
 from irb2400_ctrl.arrays import Array, Mask
 from irb2400_ctrl.effects.geared_motor import GearedMotor
-from irb2400_ctrl.identification.fitting.columns import Extra, motor_signals
+from irb2400_ctrl.identification.fitting.columns import Extra, motor_torques
 from irb2400_ctrl.identification.fitting.fitted import Fit
 from irb2400_ctrl.identification.fitting.moments import Recording, predicted
 from irb2400_ctrl.identification.fitting.noise import NOTHING
@@ -112,8 +112,7 @@ class _Wrist:
             for extra in layout.extras:
                 if extra.kind == "motor":
                     numbers = fit.theta[layout.extra(extra)]
-                    for place, joint, signal in motor_signals(extra, motion.qd, motion.qdd):
-                        left[:, joint] += numbers[place] * signal
+                    left[:, : extra.joint] += motor_torques(extra, motion.qd, motion.qdd) @ numbers
             rows.append((left, motion.known, motion.qd, motion.qdd))
         left, known, qd, qdd = (np.concatenate(one) for one in zip(*rows, strict=True))
         some = np.flatnonzero(known[:, axes].any(axis=1))
@@ -165,8 +164,8 @@ class _Wrist:
             for place, signal in enumerate((np.sign(qd), qd, self.qdd[:, j], np.ones(m))):
                 columns[row, :, 4 * row + place] = signal
         for k, motor in enumerate(motors):
-            for place, joint, signal in motor_signals(motor, self.qd, self.qdd):
-                columns[joint - first, :, 4 * count + 3 * k + place] = signal
+            on = motor_torques(motor, self.qd, self.qdd)[:, first:].swapaxes(0, 1)
+            columns[: len(on), :, 4 * count + 3 * k :][:, :, :3] = on
         columns *= (known / size).T[:, :, None]
         A = columns.reshape(count * m, -1)
         A = A / (np.sqrt(np.mean(A**2, axis=0)) + NOTHING)
