@@ -17,8 +17,16 @@ Inertia = tuple[float, float, float, float, float, float]
 class ExtraEntry(Table):
     """An effect whose numbers were fitted along."""
 
-    kind: str = Field(description="`irb2400 explain KIND` says what it is")
+    kind: str = Field(description="of its numbers: `KIND_JOINT …` in `numbers`")
     joint: int | None = Field(description="counted from 1; null: the whole arm")
+    effect: str | None = Field(
+        default=None,
+        description="in robot.toml: `irb2400 explain EFFECT` says what it is; null: friction",
+    )
+    ratios: tuple[float, float] | None = Field(
+        default=None,
+        description="turns of a motor per turn of the axis before and of the one before that [-]",
+    )
 
 
 class ScalarChangeEntry(Table):

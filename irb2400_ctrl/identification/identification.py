@@ -14,6 +14,7 @@ from irb2400_ctrl.arrays import Array, Mask
 from irb2400_ctrl.diagnosis.preparation.metrics import Errors, errors
 from irb2400_ctrl.files import write_atomic, write_json
 from irb2400_ctrl.identification.fitting.columns import ColumnLayout
+from irb2400_ctrl.identification.fitting.told_extras import extra_json
 from irb2400_ctrl.identification.force_sensor import SensedLoad
 from irb2400_ctrl.identification.friction_curve import FrictionCurve
 from irb2400_ctrl.identification.gains import Gains
@@ -119,7 +120,7 @@ class Identification(Displayed):
             "motion_from": self.source,
             "notes": list(self.notes),
             "of_bodies": list(self.of_bodies),
-            "extras": [{"kind": e.kind, "joint": e.joint} for e in self.layout.extras],
+            "extras": [extra_json(extra) for extra in self.layout.extras],
             "residual_Nm": [float(v) for v in self.sigma],
             "samples_per_independent_one": self.correlation,
             "moved": [moved_json(m) for m in self.moved],

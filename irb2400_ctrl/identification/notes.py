@@ -10,6 +10,7 @@ from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.identification.few_samples import few_samples
 from irb2400_ctrl.identification.fitting.columns import Extra
 from irb2400_ctrl.identification.fitting.fitted import Fit
+from irb2400_ctrl.identification.fitting.told_extras import said_of
 from irb2400_ctrl.identification.gate import Verdict
 from irb2400_ctrl.identification.identification import LogResult
 from irb2400_ctrl.identification.moved import ALARM, SHOWN, Moved
@@ -160,21 +161,11 @@ def notes_of(
             f"the file's bodies of {numbered('link', never)} cannot exist (irb2400 robot check); "
             "they were moved to ones that can"
         )
-    kinds = {
-        "coupling": "moves with the next joint (gears of a wrist)",
-        "far_coupling": "moves with the next joint but one (gears of a wrist)",
-        "motor": "has a motor that the axes before it turn along (gears of a wrist)",
-        "balancer": "has a balancer that the file does not name",
-        "reading": "reads its torque without part of what accelerates it",
-        "stribeck": "has more friction at low speed than the file says",
-        "load": "has dry friction that grows with the torque that its gear carries",
-        "power": "has friction that does not grow in proportion to its speed",
-    }
     joints: dict[str, list[int]] = {}
     for extra in found.layout.extras:
         sure = _sure(extra, found, covariance)
         doubt = "" if sure else ", by less than twice the standard error of it: perhaps not"
-        joints.setdefault(f"{kinds[extra.kind]}{doubt}", []).append(extra.joint)
+        joints.setdefault(f"{said_of(extra)}{doubt}", []).append(extra.joint)
     for text, have in joints.items():
         notes.append(f"{numbered('joint', sorted(have))}{': each' if len(have) > 1 else ''} {text}")
     return [*notes, said] if said else notes

@@ -18,6 +18,7 @@ from irb2400_ctrl.report.pages.identification_page import (
     _sentence,
     _share,
     drive_rows,
+    extra_rows,
 )
 
 
@@ -73,9 +74,12 @@ def test_of_a_reading_the_report_says_what_logs_tell() -> None:
     )
     head, joints = drive_rows(result)
     rows = dict(zip(head, zip(*joints, strict=True), strict=True))
-    assert str(rows["not read, beyond the rotor [kg m2]"][1]).startswith("0.400 ± 0.02")
     assert rows["rotor [kg m2]"][1] == "not told"
-    assert str(rows["loss over the torque carried [Nm/Nm]"][0]).startswith("0.046")
+    reading, load = extra_rows(result)[1]
+    assert [reading[0], reading[2]] == ["2", "not read, beyond the rotor [kg m2]"]
+    assert str(reading[3]).startswith("0.400 ± 0.02")
+    assert [load[0], load[2]] == ["1", "loss over the torque carried [Nm/Nm]"]
+    assert str(load[3]).startswith("0.046")
 
 
 def test_a_share_that_no_motion_determines_has_no_digits() -> None:

@@ -13,7 +13,8 @@ from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.diagnosis.preparation.base_prior import BODY
 from irb2400_ctrl.identification import Identification, LogResult
 from irb2400_ctrl.identification.few_samples import few_samples
-from irb2400_ctrl.identification.fitting.columns import DRIVE_TERMS, EXTRA_COLUMNS
+from irb2400_ctrl.identification.fitting.columns import DRIVE_TERMS
+from irb2400_ctrl.identification.fitting.told_extras import KINDS, said_of
 from irb2400_ctrl.identification.gate import Grade as Told
 from irb2400_ctrl.identification.moved import ALARM, Moved
 from irb2400_ctrl.measurement import Log
@@ -34,15 +35,6 @@ MODELS = {
     "unseen": "identified, unseen",
     "fitted": "identified, all logs",
 }
-EXTRAS = {
-    "load load sgn qd": "loss over the torque carried [Nm/Nm]",
-    "power root qd": "over the root of speed [Nm (s/rad)^1/2]",
-    "reading -qdd": "not read, beyond the rotor [kg m2]",
-    "stribeck bell": "more at low speed [Nm]",
-    "balancer sin q": "balancer, sin q [Nm]",
-    "balancer cos q": "balancer, cos q [Nm]",
-}
-"""rows of numbers that only some arms have"""
 MOST_TOLD = 999.0
 """[%] of the torque left above which no number is told"""
 FEW = 4
@@ -79,6 +71,8 @@ def identification_page(result: Identification, logs: Sequence[Log] = ()) -> Pag
         _moved(page, result)
     page.heading("Drives")
     page.table("Friction, offset and rotor, with standard errors", *drive_rows(result))
+    if result.layout.extras:
+        page.table("What only some arms have", *extra_rows(result))
     if result.friction:
         page.heading("Friction at constant speed (eqs. 70-74)")
         page.table("As Tab. 5, with 95 % intervals", *law_rows(result.friction))
@@ -233,24 +227,30 @@ def moved_rows(result: Identification) -> tuple[list[str], list[list[object]]]:
 def drive_rows(result: Identification) -> tuple[list[str], list[list[object]]]:
     """Head and rows: a joint a row, a kind of number a column."""
     layout = result.layout
-    found: dict[str, dict[int, object]] = {}
+    found: dict[str, list[object]] = {}
     for term in DRIVE_TERMS:
         own = layout.drive(term)
         pairs = zip(result.theta[own], result.standard_errors[own], strict=True)
-        found[term] = {j: with_error(float(v), float(e)) for j, (v, e) in enumerate(pairs, start=1)}
+        found[f"{term} [{UNITS[term]}]"] = [with_error(float(v), float(e)) for v, e in pairs]
     for extra in layout.extras:
-        told = layout.told(extra, result.theta, result.covariance)
-        for column, value, error in zip(EXTRA_COLUMNS[extra.kind], *told, strict=True):
-            row = found.setdefault(f"{extra.kind} {column}", {})
-            row[extra.joint] = with_error(float(value), float(error))
         if extra.kind == "reading":  # of the two the difference alone is known
-            found["rotor"][extra.joint] = "not told"
-    rows: list[list[object]] = [
-        [str(j), *(values.get(j, "-") for values in found.values())]
-        for j in range(1, 1 + result.given.n)
-    ]
-    named = [EXTRAS.get(kind, f"{kind} [{UNITS.get(kind, 'SI')}]") for kind in found]
-    return ["joint", *named], rows
+            found[f"rotor [{UNITS['rotor']}]"][extra.joint - 1] = "not told"
+    rows = [[str(j), *row] for j, row in enumerate(zip(*found.values(), strict=True), start=1)]
+    return ["joint", *found], rows
+
+
+def extra_rows(result: Identification) -> tuple[list[str], list[list[object]]]:
+    """Head and rows: a number a row of what only some arms have."""
+    layout = result.layout
+    rows: list[list[object]] = []
+    for extra in layout.extras:
+        values, errors = layout.told(extra, result.theta, result.covariance)
+        numbers = KINDS[extra.kind].numbers
+        says = [said_of(extra), *("" for _ in numbers[1:])]
+        for said, number, value, error in zip(says, numbers, values, errors, strict=True):
+            joint = str(extra.joint) if said else ""
+            rows.append([joint, said, number, with_error(float(value), float(error))])
+    return ["joint", "which", "number", "with standard error"], rows
 
 
 def verdict_rows(result: Identification) -> tuple[list[str], list[list[object]]]:
