@@ -151,9 +151,10 @@ def test_currents_wait_for_the_numbers_of_the_motors(tmp_path: Path) -> None:
         {"t": T, "x": T, "y": T},
         {"t": T, "q_{j}": Q, "q_err_{j}": Q},
         {"t": T, "q_{j}": Q, "tau_ext_{j}": TAU},
+        {"t": T, "J{j}(deg)": Q, "DSTTRQ{j}": TAU},
         {"t": T, "q_1": T, "q_3": T, "tau_1": T, "tau_3": T},
     ],
-    ids=["no joints", "no torque", "another torque", "a joint left out"],
+    ids=["no joints", "no torque", "another torque", "a disturbance", "a joint left out"],
 )
 def test_no_map_is_shown_where_names_do_not_tell_it(columns: dict, tmp_path: Path) -> None:
     with pytest.raises(InputError) as refused:
