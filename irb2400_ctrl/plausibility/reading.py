@@ -210,7 +210,8 @@ def _from_the_base(robot: Robot, plain: Reading) -> Iterator[Reading]:
     yield replace(
         one,
         says=f"{where}, as controllers of FANUC show it: the angle of this robot file is q3 {sign} "
-        "q2 of the log, write that in its place; the torques stay",
+        f"q2 of the log; in a column map plus = {{ 2 = {sign}1.0 }} ([[sums]], docs/logs.md); the "
+        "torques stay",
     )
     yield replace(
         one,

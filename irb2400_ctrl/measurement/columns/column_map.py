@@ -22,6 +22,13 @@ quantity = "tau"
 unit = "A"
 Nm_per_A = [0.11, 0.11, 0.09, 0.09, 0.09, 0.09]
 gear_ratio = 101.0
+
+Where a column holds more, or less, than what its joint does, the joint's is a sum.
+
+[[sums]]
+quantity = "q"
+joint = 3
+plus = { 2 = -1.0 }
 """
 
 from __future__ import annotations
@@ -215,11 +222,36 @@ def _one(value: Numbers) -> float:
     return number
 
 
+class Sum(Table):
+    """What a joint does, where its column holds what others do as well.
+
+    Args:
+        quantity: q (its speeds and commanded angles too) or tau; joint: from 1.
+        plus: joint -> factor of its column, as it is before any sum.
+    """
+
+    quantity: Literal["q", "tau"]
+    joint: Annotated[int, Field(ge=1)]
+    plus: dict[Annotated[int, Field(ge=1)], Number] = Field(min_length=1)
+
+    @model_validator(mode="after")
+    def _of_others(self) -> Self:
+        if self.joint in self.plus:
+            raise ValueError(f"joint {self.joint} plus itself, expected other joints")
+        return self
+
+    @property
+    def signals(self) -> tuple[str, ...]:
+        """Quantities of columns that are such sums."""
+        return ("q", "qd", "q_ref") if self.quantity == "q" else ("tau",)
+
+
 class ColumnMap(Table):
     """All columns that count; the others are kept aside."""
 
     time: TimeColumn | None = None
     columns: tuple[Column, ...] = Field(min_length=1)
+    sums: tuple[Sum, ...] = ()
 
     def of(self, names: Collection[str]) -> list[Column]:
         """The entries of a file with these columns, one for each column."""
@@ -245,6 +277,7 @@ class ColumnMap(Table):
         for what, keys in (
             ("column", [c.file for c in self.columns]),
             ("quantity and joint", [f"{c.quantity} {c.joint}" for c in self.columns]),
+            ("the sum for", [f"{s.quantity} {s.joint}" for s in self.sums]),
         ):
             doubled = sorted({key for key in keys if keys.count(key) > 1})
             if doubled:

@@ -8,17 +8,18 @@ import numpy as np
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InputError
-from irb2400_ctrl.measurement.columns.column_map import TURN, UNITS, ColumnMap
+from irb2400_ctrl.measurement.columns.column_map import TURN, UNITS, Column, ColumnMap
 from irb2400_ctrl.measurement.columns.two_part_time import joined
 from irb2400_ctrl.measurement.table import Table
+from irb2400_ctrl.wording import numbered
 
 
 def mapped(table: Table, given: ColumnMap) -> Table:
     """The table with the time of the map in one column, angles counted from the zeros that it
-    states, and those that it calls wrapped going on beyond a turn.
+    states, those that it calls wrapped going on beyond a turn, and the sums that it makes.
 
     Raises:
-        InputError: no such columns of the time.
+        InputError: no such columns of the time, or of a sum.
     """
     table = _with_time(table, given)
     columns = dict(table.columns)
@@ -28,6 +29,33 @@ def mapped(table: Table, given: ColumnMap) -> Table:
         if column.file in columns and column.wrapped:
             turn = TURN / UNITS[column.quantity][column.unit]
             columns[column.file] = _unwrapped(columns[column.file], turn)
+    return _summed(replace(table, columns=columns), given)
+
+
+def _summed(table: Table, given: ColumnMap) -> Table:
+    """With what a joint does in the place of a column that holds what others do as well."""
+    there: dict[tuple[str, object], Column] = {
+        (column.quantity, column.joint): column
+        for column in given.of(table.columns)
+        if column.file in table.columns
+    }
+    columns = dict(table.columns)
+    for one in given.sums:
+        for signal in one.signals:
+            factors = {one.joint: 1.0, **one.plus}
+            parts = {j: there[signal, j] for j in factors if (signal, j) in there}
+            if not parts and signal != one.quantity:
+                continue  # a log without speeds
+            if len(parts) < len(factors):
+                raise InputError(
+                    f"{table.path}: the column map sums {signal} of joint {one.joint} and of "
+                    f"{numbered('joint', list(one.plus))}, of which not all have a column"
+                )
+            own = parts[one.joint]
+            total = np.zeros_like(table.columns[own.file])
+            for j, column in parts.items():
+                total += factors[j] * column.scale / own.scale * table.columns[column.file]
+            columns[own.file] = total
     return replace(table, columns=columns)
 
 
