@@ -8,7 +8,7 @@ import numpy as np
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.codegen import Block
-from irb2400_ctrl.errors import IrbError
+from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.robot import Robot
 from irb2400_ctrl.simulation.viscous_step import needed_substeps
@@ -31,7 +31,7 @@ def check_finite(
         signals: outputs of the loop by name.
 
     Raises:
-        IrbError: an output that is no number, or an arm that left its joint box by far.
+        InputError: an output that is no number, or an arm that left its joint box by far.
     """
     lost = np.abs(signals["q"]).max(axis=1) > FAR
     for values in signals.values():
@@ -45,12 +45,12 @@ def check_finite(
         told = {f.name: "command" if f.name == "tau" else f"c_{f.name}" for f in controller.outputs}
         empty = [name for name, signal in told.items() if not seen[signal]]
         if empty:
-            raise IrbError(
+            raise InputError(
                 f"the controller {controller.name!r} gives no number as {empty[0]} {at}, from "
                 "angles and speeds that are numbers: look for a division by zero, or a root or "
                 "logarithm of what is negative"
             )
-    raise IrbError(
+    raise InputError(
         f"the simulated arm diverged {at} under {controller.name!r}: "
         + _why(controller, arm, substeps, motion)
     )
@@ -70,5 +70,6 @@ def _why(controller: Block, arm: Robot, substeps: int, motion: Trajectory) -> st
         f"viscous friction of {viscous[j]:.3g} Nm s/rad stops joint {j + 1}, of "
         f"{1 / mobility[j]:.2g} kg m2, within {1e6 * within:.2g} us, too fast for time steps of "
         f"{1e6 * step:.3g} us. State the inertia of its rotor "
-        f'(kind = "rotor_inertia" in [[effects]]), a smaller friction, or substeps={needed}'
+        '(kind = "rotor_inertia" in [[effects]]), a smaller friction, or '
+        f"substeps={needed} in Python"
     )

@@ -82,9 +82,8 @@ class Loop:
             seed: of the noise of encoders and logged torque.
 
         Raises:
-            InputError: shapes or names that do not fit.
-            IrbError: the motion diverged (its mass matrix is not positive definite, or the loop is
-            unstable).
+            InputError: shapes or names that do not fit; the motion diverged (its mass matrix is not
+                positive definite, or the loop is unstable).
         """
         arm = self.plant if plant is None else plant
         check_seed(seed)
@@ -254,7 +253,7 @@ def simulate(
 
     Raises:
         InputError: input that does not fit together.
-        IrbError: the motion diverged.
+        InputError: the motion diverged.
     """
     loop = make_loop(
         robot,
