@@ -35,6 +35,9 @@ which it is as strong there: noise with a colour (1.07 at most on three sound ar
 sensors have it, 1.6 and more where a law was missing)"""
 USUAL = 1.3
 """times what a reference leaves on stretches that its model had not seen"""
+NEVER_NOISE = 2.0
+"""times that, beyond which nothing left is noise, whatever the angles' noise may explain: parts of
+four real arms against others of the same leave 1.56 at most"""
 
 
 @dataclass(frozen=True)
@@ -149,6 +152,9 @@ class Diagnosis(Displayed):
             j for j in self.noise.by_means_alone if left[j - 1] < SLOW * self.noise_floor[j - 1]
         ]
         beyond = [j for j in self.noise.beyond if j not in coloured]
+        if self.usual_error is not None:
+            far = self.mostly_left > NEVER_NOISE * self.usual_error
+            beyond += [int(j) + 1 for j in np.flatnonzero(far)]
         return self._that_count([*beyond, *self.noise.quick.joints])
 
     @property
@@ -169,6 +175,22 @@ class Diagnosis(Displayed):
         very arm leaves of any motion."""
         resting = {*self.much_left, *self.not_excited}
         return tuple(j for j in self._beyond_floor if j not in resting)
+
+    @property
+    def taken_up(self) -> tuple[int, ...]:
+        """Joints (from 1) of which the reference leaves far more of this log than of its own, and
+        no name and no number says why: numbers that it leaves open took it up."""
+        if self.usual_error is None:
+            return ()
+        far = self.identification.error_before.rmse > NEVER_NOISE * self.usual_error
+        said: set[int | None] = {f.effect.joint for f in self.findings}
+        said |= {u.joint for u in self.unexplained} | {*self.beyond_noise, *self.not_excited}
+        changed = [n.place.split() for n in self.numbers if n.list == "changed"]
+        # a body, or what the whole arm has, is felt on all
+        if None in said or any(place[0] != "joint" for place in changed):
+            return ()
+        said |= {int(place[1]) for place in changed}
+        return tuple(int(j) + 1 for j in np.flatnonzero(far) if j + 1 not in said)
 
     @property
     def _beyond_floor(self) -> list[int]:

@@ -71,7 +71,7 @@ def diagnose_change(
 
     found = simplest(found, few, before, unseen)
     error = found.identification.error_before.rmse
-    worse = worse_joints(error, found.noise_floor, before, unseen)
+    worse = worse_joints(error, found.least_floor, before, unseen)
     there = (*lacking(robot, known), *before.numbers)
     return replace(
         found,

@@ -37,8 +37,8 @@ def worse_joints(error: Array, floor: Array, before: Diagnosis, unseen: Array) -
         error, floor: RMSE and noise floor of today [Nm]; before: of the reference; unseen: its
             error on unseen stretches.
     """
-    least = LEAST * before.noise_floor
-    usual = np.maximum(_beyond(unseen, before.noise_floor), least)
+    least = LEAST * before.least_floor
+    usual = np.maximum(_beyond(unseen, before.least_floor), least)
     return np.asarray(_beyond(error, floor) > WORSE * usual)
 
 
@@ -50,11 +50,13 @@ def simplest(
     Args:
         few: the diagnosis with at most so many explanations.
     """
+    # a floor that is read from what few explanations leave holds what they leave out
+    floor = found.least_floor
     said = len(found.findings) + len(found.unexplained)
     for count in range(said):
         tried = few(count)
         after = tried.identification.error_after.rmse
-        if not worse_joints(after, tried.noise_floor, before, unseen).any():
+        if not worse_joints(after, floor, before, unseen).any():
             left = "smaller explanations are within what the reference leaves unexplained itself"
             return replace(tried, weak=(*tried.weak, f"{said - count} {left}"))
     return found

@@ -22,6 +22,10 @@ CHANGES = {
     "unexplained": "Something has changed since the reference that no effect of the library makes.",
 }
 """the same, where the arm itself on another day is the reference"""
+TAKEN_UP = (
+    "No effect has come since the reference, but {joints} took more torque than it leaves "
+    "unexplained: numbers that it leaves open explain that, none of them clearly by itself."
+)
 FROM_A_FILE = ("has changed since the reference", "is otherwise than the reference file states")
 
 
@@ -42,6 +46,8 @@ def verdict_sentence(diagnosis: Diagnosis) -> str:
             return LACKS_ONLY
         return VERDICTS[diagnosis.verdict]
     changed = [n for n in diagnosis.numbers if n.list == "changed"]
+    if nothing and not changed and diagnosis.taken_up:
+        return TAKEN_UP.format(joints=numbered("joint", diagnosis.taken_up))
     if nothing and changed:
         said = f"{len(changed)} numbers" if len(changed) > 1 else "a number"
         return f"No new effect since the reference, but {said} of the arm changed."
