@@ -18,6 +18,7 @@ from irb2400_ctrl.planners.joint_path import JointPath
 from irb2400_ctrl.planners.timing.certificate import check
 from irb2400_ctrl.planners.timing.infeasible_point import InfeasiblePointError
 from irb2400_ctrl.planners.timing.motion_limits import MotionLimits
+from irb2400_ctrl.planners.trajectory_optimisation.knot_coupling import Objective
 from irb2400_ctrl.planners.trajectory_optimisation.knots import Knots
 from irb2400_ctrl.planners.trajectory_optimisation.optimise_motion import _placed, optimise_motion
 from irb2400_ctrl.planners.trajectory_optimisation.optimised import Optimised, path_margins
@@ -249,6 +250,25 @@ def test_without_iterations_the_warm_start_comes_back_and_says_so(robot: irb.Rob
 def test_no_motion_at_all_is_an_error_with_both_reasons(robot: irb.Robot) -> None:
     with pytest.raises(InfeasibleError, match=r"IPOPT.*warm start"):
         optimise_motion(robot, drawn(2, 3), duration=0.05, intervals=40)
+
+
+@pytest.mark.parametrize("objective", ["time", "energy"])
+def test_too_short_a_duration_is_held_against_the_fastest_motion(
+    robot: irb.Robot, objective: Objective
+) -> None:
+    # IPOPT took minutes to prove that none is as fast
+    fastest = optimise_motion(robot, drawn(2, 3), intervals=40)
+    asked = 0.97 * fastest.duration
+    found = f"Solve_Succeeded.*its motion: {fastest.duration:.3f} s are longer than {asked:.3f} s"
+    with pytest.raises(InfeasibleError, match=found):
+        optimise_motion(robot, drawn(2, 3), objective=objective, duration=asked, intervals=40)
+
+
+def test_a_motion_is_one_line_at_a_prompt(robot: irb.Robot) -> None:
+    found = optimise_motion(robot, drawn(2, 3), intervals=40, iterations=0)
+    assert found.message in repr(found)
+    assert len(repr(found)) < len(found.message) + 100
+    assert len(repr(found.motion)) < 100
 
 
 def test_derivatives_of_a_knot_match_casadi_and_differences(robot: irb.Robot) -> None:

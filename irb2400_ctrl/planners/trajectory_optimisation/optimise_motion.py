@@ -116,7 +116,7 @@ def optimise_motion(
     request, reference = _comparable(request, reference, duration)
     counts = shares(at, intervals)
     knots = knots_of(guess, at, counts, request.longest)
-    solved, best, problem = _search(request, knots, counts, iterations)
+    solved, best, problem = _search_in_time(request, reference, knots, counts, iterations)
     clock.append(time.perf_counter())
     return _compared(request, solved, best, problem, reference, at, counts, np.diff(clock))
 
@@ -150,6 +150,25 @@ def _slowed(found: MotionOutcome, dynamics: PathDynamics, duration: float) -> Mo
     return outcome(Certificate(c.path, law, c.limits), dynamics)
 
 
+def _search_in_time(
+    request: MotionRequest,
+    reference: MotionOutcome | None,
+    knots: Knots,
+    counts: tuple[int, ...],
+    iterations: int,
+) -> tuple[Solved, MotionOutcome | None, str | None]:
+    """`_search`, of least energy only where there may be time for it: whether there is, the fastest
+    motion says in a hundredth of what IPOPT takes to prove that there is not."""
+    longest = request.longest
+    slow = reference is None or reference.duration > longest
+    if request.objective == "energy" and slow and np.isfinite(longest):
+        fast = replace(request, objective="time", torque_rate=None)
+        solved, best, problem = _search(fast, knots, counts, iterations)
+        if best is None and solved.converged and solved.knots.time[-1] > longest:
+            return solved, None, problem
+    return _search(request, knots, counts, iterations)
+
+
 def _search(
     request: MotionRequest, guess: Knots, counts: tuple[int, ...], iterations: int
 ) -> tuple[Solved, MotionOutcome | None, str | None]:
@@ -158,7 +177,9 @@ def _search(
     dynamics = request.dynamics
     reserve = _RESERVE_KEPT if request.objective == "energy" else _RESERVE
     margins = request.margins
-    longest = request.longest * (1 - _RESERVE)
+    # the fastest motion is fast enough, or none is: a bound on it would only have IPOPT prove that,
+    # which takes it minutes
+    longest = request.longest * (1 - _RESERVE) if request.objective == "energy" else np.inf
     rate = request.torque_rate
     left = iterations
     best = None
@@ -186,7 +207,7 @@ def _search(
         if problem is None and (best is None or request.cost(found) < request.cost(best)):
             best = found
         lacking = [max(abs(b) - found.margins[NAMES[k]], 0.0) for k, b in request.margins]
-        late = found.duration > request.longest
+        late = request.objective == "energy" and found.duration > request.longest
         lost = (
             request.smooth
             and found.duration > _LOST * solved.knots.time[-1]

@@ -24,7 +24,7 @@ from irb2400_ctrl.trajectory import Trajectory
 _RATE = 5000.0
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class MotionOutcome:
     """One motion and its price."""
 
@@ -53,8 +53,12 @@ class MotionOutcome:
         """[s]"""
         return self.certificate.law.duration
 
+    def __repr__(self) -> str:
+        """One line: thousands of coefficients are no answer at a prompt."""
+        return f"<MotionOutcome: {self.duration:.3f} s, {self.energy.sum():.1f} J>"
 
-@dataclass(frozen=True)
+
+@dataclass(frozen=True, repr=False)
 class Optimised:
     """What `optimise_motion` found."""
 
@@ -87,6 +91,13 @@ class Optimised:
     def duration(self) -> float:
         """[s]"""
         return self.motion.duration
+
+    def __repr__(self) -> str:
+        """One line, as of the motion."""
+        return (
+            f"<Optimised: least {self.objective}, {self.duration:.3f} s, "
+            f"{self.motion.energy.sum():.1f} J; {self.message}>"
+        )
 
     @property
     def ratio(self) -> float:
