@@ -12,6 +12,7 @@ from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.diagnosis import Diagnosis, diagnose
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.measurement import Log
+from irb2400_ctrl.plausibility import log_problem
 from irb2400_ctrl.robot import Robot
 from irb2400_ctrl.typed import typed
 from irb2400_ctrl.watch.alarm import LEAST_BLOCKS, MONTH, Alarm, Cusum, Usual
@@ -80,7 +81,8 @@ class Watch:
         """Blocks that are complete with these samples.
 
         Raises:
-            InputError: samples before those that came, or that do not fit the robot.
+            InputError: samples before those that came, or that do not fit the robot; a stretch to
+            be learned that is not what its columns say.
         """
         if samples.n != self.robot.n:
             raise InputError(
@@ -103,7 +105,15 @@ class Watch:
     def _learn(self) -> None:
         record = _joined(self._samples)
         end = record.time[0] + self.learn
-        self.baseline = Baseline.of(self.robot, between(record, -np.inf, end))
+        sound = between(record, -np.inf, end)
+        problem = log_problem(self.robot, sound)
+        if problem is not None:
+            # what fits nothing would be usual, and nothing after it an alarm
+            raise InputError(
+                f"{record.name}: the {self.learn:g} s to be learned are not understood: "
+                f"{problem.says}; try `irb2400 log check`"
+            )
+        self.baseline = Baseline.of(self.robot, sound)
         usual = Usual.of(self.baseline.learned)
         self._cusum = Cusum(usual, self.between)
         self._tracker = Tracker(self.baseline, usual)

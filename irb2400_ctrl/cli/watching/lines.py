@@ -10,6 +10,10 @@ if TYPE_CHECKING:
     from irb2400_ctrl.watch import Seen, Tracked, Watch
 
 
+_WIDE = 10
+"""characters of a joint's column, at least"""
+
+
 def learned(watched: Watch) -> str:
     """What is usual, and how rare a false alarm is."""
     band = ", ".join("-" if v != v else f"{v:.2g}" for v in watched.band)
@@ -28,7 +32,7 @@ def status(lately: list[Seen]) -> str:
     tracked = last.tracked
     n = len(energy)
     friction = [
-        f"{value:.3g}±{band:.1g}"
+        f"{value:.3g}±{float(f'{band:.1g}'):g}"
         for value, band in zip(tracked.values[:-1], tracked.bands[:-1], strict=True)
     ]
     rows = {
@@ -38,9 +42,11 @@ def status(lately: list[Seen]) -> str:
         "F_v Nms/rad": friction[n:],
     }
     begin = f"{last.time:7.1f}s"
+    # cells that touch would be read as one number
+    wide = max(_WIDE, *(1 + len(cell) for cells in rows.values() for cell in cells))
     lines = []
     for name, cells in rows.items():
-        lines.append(f"{begin:8} {name:11}" + "".join(f"{cell:>10}" for cell in cells))
+        lines.append(f"{begin:8} {name:11}" + "".join(f"{cell:>{wide}}" for cell in cells))
         begin = ""
     lines += [
         f"ALARM {alarm.at:.1f} s: joint {alarm.joint} not as before since about "

@@ -1,0 +1,72 @@
+"""What is learned has to be what its columns say: of what fits nothing, nothing is an alarm."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from independent_plant import Case, Effect
+
+import irb2400_ctrl as irb
+from irb2400_ctrl.cli.watching.lines import status
+from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.measurement import Log
+from irb2400_ctrl.watch import Seen, Tracked, Watch
+
+LEARN = 30.0
+
+
+@pytest.fixture(scope="module")
+def changing() -> Log:
+    """Joint 2 is stiffer from second 940 on."""
+    case = Case(
+        21, (Effect("coulomb_change", 2, 0.1, 940.0),), duration=20.0, validation_duration=55.0
+    )
+    raw = case.simulate()[1]
+    return Log(raw.time, raw.q, raw.tau, name="arm 21")
+
+
+def in_degrees(log: Log) -> Log:
+    """Degrees whose columns are called radians."""
+    return replace(log, q=np.degrees(log.q))
+
+
+def of_the_motors(log: Log) -> Log:
+    return replace(log, tau=log.tau / 100.0)
+
+
+@pytest.mark.parametrize(
+    ("wrong", "robot", "said"),
+    [
+        (in_degrees, "irb2400", "degrees under the name of radians"),
+        (of_the_motors, "irb2400", "motor side"),
+        (lambda log: log, "ur10e", "another robot"),
+    ],
+)
+def test_what_is_not_understood_is_not_learned(
+    changing: Log, wrong: object, robot: str, said: str
+) -> None:
+    assert callable(wrong)
+    watch = Watch(irb.load_robot(robot), LEARN)
+    with pytest.raises(InputError, match=f"30 s to be learned are not understood.*{said}"):
+        list(watch.feed(wrong(changing)))
+
+
+def test_the_same_log_as_it_is_alarms(changing: Log) -> None:
+    watch = Watch(irb.load_robot("irb2400"), LEARN)
+    alarms = [alarm.joint for seen in watch.feed(changing) for alarm in seen.alarms]
+    assert alarms == [2]
+
+
+def test_numbers_of_neighbours_do_not_touch() -> None:
+    values = np.array([17.13, 271.2, 13.71, 7.53, 0.0])
+    bands = np.array([0.07, 30.0, 0.0071, 0.06, 0.1])
+    tracked = Tracked(values, bands, np.zeros(5), bands)
+    two = np.array([1.0, 1.0])
+    said = status([Seen(70.5, two, two, two, (), tracked)])
+    friction = [line.split() for line in said.splitlines() if "F_" in line]
+    assert friction == [
+        ["F_c", "Nm", "17.1±0.07", "271±30"],
+        ["F_v", "Nms/rad", "13.7±0.007", "7.53±0.06"],
+    ]
