@@ -90,6 +90,7 @@ def drawn_plant(study: Study, number: int) -> DrawnPlant:
         com = tuple(draw(part, rng) for part in study.payload.com_m)
         effects.append(Payload.of(None, mass_kg=mass, com_m=com))
         values["payload_kg"] = mass
+        values |= {f"payload_com_{axis}_m": at for axis, at in zip("xyz", com, strict=True)}
     for k, wanted in enumerate(study.effects):
         effect, absent = wanted.draw(rng)
         prefix = f"effect{k + 1}_{wanted.kind}"

@@ -17,6 +17,7 @@ from pydantic import (
 )
 
 from irb2400_ctrl.effects import LIBRARY, Effect, effect_class
+from irb2400_ctrl.effects.added_body import Payload
 from irb2400_ctrl.effects.base import COMMON
 from irb2400_ctrl.effects.registry import joints_in_words
 from irb2400_ctrl.errors import InputError
@@ -34,12 +35,21 @@ def _ordered(value: tuple[float, float]) -> tuple[float, float]:
     return value
 
 
+def _spread(value: float | tuple[float, float]) -> float | tuple[float, float]:
+    least = value[0] if isinstance(value, tuple) else value
+    if least < 0:
+        raise ValueError(f"a standard deviation is not below zero, found {least}")
+    return value
+
+
 FORMS = ("number", "range", "vector")
 """words that pydantic puts into the path of a problem"""
 _Number = Annotated[float, Tag("number")]
 _Range = Annotated[tuple[float, float], AfterValidator(_ordered), Tag("range")]
 Quantity = Annotated[_Number | _Range, Discriminator(_form)]
 """a number, or [low, high] of a uniform distribution"""
+Spread = Annotated[Quantity, AfterValidator(_spread)]
+"""a standard deviation"""
 Vector = tuple[Quantity, Quantity, Quantity]
 AnyQuantity = Annotated[_Number | _Range | Annotated[Vector, Tag("vector")], Discriminator(_form)]
 
@@ -52,6 +62,11 @@ def draw(quantity: Quantity, rng: np.random.Generator) -> float:
         low, high = quantity
         return low + (high - low) * share
     return quantity
+
+
+def _farthest(quantity: Quantity) -> float:
+    """The end of a range that is farther from zero."""
+    return max(quantity, key=abs) if isinstance(quantity, tuple) else quantity
 
 
 class Deviations(Table):
@@ -70,6 +85,12 @@ class PayloadSpread(Table):
 
     mass_kg: Quantity
     com_m: Vector = (0.0, 0.0, 0.0)
+
+    @property
+    def largest(self) -> Payload:
+        """The one that asks most of the arm."""
+        mass, *com = (_farthest(value) for value in (self.mass_kg, *self.com_m))
+        return Payload.of(None, mass_kg=mass, com_m=tuple(com))
 
 
 class EffectDraw(Table):

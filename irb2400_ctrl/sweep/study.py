@@ -26,12 +26,13 @@ from irb2400_ctrl.controllers.origin import other_arm
 from irb2400_ctrl.controllers.parts import with_gains
 from irb2400_ctrl.controllers.sampling import loop_remark
 from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.model.plausibility import plausibility
 from irb2400_ctrl.reading import bounded_text, toml_tables
 from irb2400_ctrl.robot import Robot, load_robot, robot_names
 from irb2400_ctrl.simulation import Actuators, Sensors
 from irb2400_ctrl.simulation.loop_request import controller_parameters
 from irb2400_ctrl.sweep.motions import RandomPoses, StudyMotion
-from irb2400_ctrl.sweep.quantities import FORMS, Deviations, EffectDraw, PayloadSpread, Quantity
+from irb2400_ctrl.sweep.quantities import FORMS, Deviations, EffectDraw, PayloadSpread, Spread
 from irb2400_ctrl.table import Table
 from irb2400_ctrl.typed import typed
 from irb2400_ctrl.wording import did_you_mean
@@ -110,7 +111,7 @@ class SensorNoise(Table):
     """SensorNoise of the measuring chain, drawn for each plant; it is in the logs, not in the loop
     (as in `simulate`)."""
 
-    torque_Nm: Quantity = 0.0
+    torque_Nm: Spread = 0.0
 
 
 class Study(Table):
@@ -166,8 +167,13 @@ class Study(Table):
     @property
     def remarks(self) -> list[str]:
         """Controllers that are another arm's, or whose loop is unstable: their errors do not speak
-        of the gains."""
-        return [r for c in self.controllers for r in c.remarks(self.robot, self.rate_Hz)]
+        of the gains. A payload in grams or millimetres: its errors speak of nothing else."""
+        found = [r for c in self.controllers for r in c.remarks(self.robot, self.rate_Hz)]
+        if self.payload is not None:
+            usual = plausibility(self.robot)
+            loaded = plausibility(self.robot.with_effects(self.payload.largest))
+            found += [f"payload (in kg and m): {note}" for note in loaded if note not in usual]
+        return found
 
     @property
     def text(self) -> str:

@@ -143,6 +143,28 @@ def test_unstable_loops_are_said(tmp_path: Path, old: str, new: str, said: str) 
         assert "an error doubles every" in remarks[0]
 
 
+@pytest.mark.parametrize(
+    ("payload", "said"),
+    [
+        ("mass_kg = [0.0, 5.0]\ncom_m = [0.0, [-0.1, 0.1], 0.1]", ""),
+        ("mass_kg = 2\ncom_m = [0.0, [0.0, 80.0], 100.0]", "payload (in kg and m): axis_6: the"),
+        ("mass_kg = [0.0, 5000.0]", "payload (in kg and m): axis_"),
+    ],
+)
+def test_a_payload_in_other_units_is_said(tmp_path: Path, payload: str, said: str) -> None:
+    own = "mass_kg = [0.0, 5.0]\ncom_m = [0.0, 0.0, [0.0, 0.1]]"
+    remarks = small(tmp_path, SMALL.replace(own, payload, 1)).remarks
+    assert len(remarks) == bool(said)
+    if said:
+        assert remarks[0].startswith(said)
+
+
+@pytest.mark.parametrize("spread", ["-1", "[-0.5, 1.0]"])
+def test_noise_below_zero_is_none(tmp_path: Path, spread: str) -> None:
+    text = SMALL.replace("torque_Nm = [0.1, 1.0]", f"torque_Nm = {spread}", 1)
+    assert "noise.torque_Nm: a standard deviation is not below zero" in complaint(tmp_path, text)
+
+
 def test_missing_study(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="no study file"):
         load_study(tmp_path / "no.toml")
@@ -187,6 +209,9 @@ def test_draws_fill_their_ranges(tmp_path: Path) -> None:
     mass = np.array([v["payload_kg"] for v in values])
     assert 0.0 <= mass.min() < 0.1
     assert 4.9 < mass.max() <= 5.0
+    height = np.array([v["payload_com_z_m"] for v in values])
+    assert 0.0 <= height.min() < 0.01
+    assert 0.09 < height.max() <= 0.1
     joints = [v["effect1_coulomb_change_joint"] for v in values]
     # 300 draws: four standard deviations of a binomial
     assert abs(joints.count(None) / 300 - 0.3) < 4 * np.sqrt(0.3 * 0.7 / 300)
