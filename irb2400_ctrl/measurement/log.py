@@ -44,7 +44,7 @@ def _set_back(by: float, step: float) -> str:
     return ""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Log:
     """A recorded motion; arrays are read-only.
 
@@ -155,6 +155,10 @@ class Log:
         near = self.time[back + 1] - self.time[0] < NEAR * span
         lengths = np.diff([-1, *back, len(self.time) - 1])
         return bool(near.all() and lengths.min() > LEAST_ROWS)
+
+    def __repr__(self) -> str:
+        rows, joints = self.q.shape
+        return f"<Log {self.name}: {rows} samples of {joints} joints, {self.duration:.3f} s>"
 
     @property
     def n(self) -> int:

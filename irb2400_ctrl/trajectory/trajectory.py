@@ -26,7 +26,7 @@ _USUAL = (1e-7, 1e7)
 
 
 @typed
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Trajectory:
     """A motion sampled in time; all arrays are read-only.
 
@@ -116,6 +116,10 @@ class Trajectory:
                 f"{mean[row, axis] / self._unit[axis]:.3f} {self._units[axis]}; check units and "
                 "columns, or sample it more often"
             )
+
+    def __repr__(self) -> str:
+        rows, joints = self.q.shape
+        return f"<Trajectory: {rows} rows of {joints} joints, {self.duration:.3f} s>"
 
     @property
     def duration(self) -> float:

@@ -55,7 +55,7 @@ class Seen:
 
 
 @typed
-@dataclass
+@dataclass(repr=False)
 class Watch:
     """Samples in, blocks and alarms out.
 
@@ -75,6 +75,10 @@ class Watch:
     _tracker: Tracker | None = None
     _next: float = 0.0
     _first: float | None = None
+
+    def __repr__(self) -> str:
+        learned = "nothing learned yet" if self.baseline is None else f"{self.learn:g} s learned"
+        return f"<Watch of {self.robot.name}: {learned}, {len(self.seen)} blocks seen>"
 
     @typed
     def feed(self, samples: Log) -> Iterator[Seen]:

@@ -140,6 +140,13 @@ def test_a_part_stands_at_first_where_the_cell_has_its_work_object() -> None:
     np.testing.assert_allclose(found.start.X_BW, cell.work_frame)
 
 
+def test_an_area_in_metres_is_said(part: Path, tmp_path: Path) -> None:
+    where = ["--area", "0.9,-0.3,0.4,1.2,0.3,0.9"]
+    done = CliRunner().invoke(app, ["place", str(part), "--out", str(tmp_path / "out"), *where])
+    assert isinstance(done.exception, InputError)
+    assert "looks like metres" in str(done.exception)
+
+
 def test_no_place_in_the_area_is_said(part: Path) -> None:
     nowhere = Area(np.array([2.0, 2.0, 0.0]), np.array([2.1, 2.1, 0.1]), np.zeros(1), False)
     with pytest.raises(UnreachableError, match="no place in the area"):

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
+from command_line import irb2400
 from independent_plant import Case, Effect
 
 import irb2400_ctrl as irb
 from irb2400_ctrl.cli.watching.lines import status
 from irb2400_ctrl.errors import InputError
-from irb2400_ctrl.measurement import Log
+from irb2400_ctrl.measurement import Log, write_log
 from irb2400_ctrl.watch import Seen, Tracked, Watch
 
 LEARN = 30.0
@@ -57,6 +59,22 @@ def test_the_same_log_as_it_is_alarms(changing: Log) -> None:
     watch = Watch(irb.load_robot("irb2400"), LEARN)
     alarms = [alarm.joint for seen in watch.feed(changing) for alarm in seen.alarms]
     assert alarms == [2]
+
+
+def test_an_interruption_while_it_learns_is_no_log_too_short(
+    changing: Log, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    write_log(changing, tmp_path / "log.csv")
+    learns = Watch._learn
+
+    def stopped(watch: Watch) -> None:
+        learns(watch)
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(Watch, "_learn", stopped)
+    done = irb2400("watch", "log.csv", "--learn", "30", "--out", "out", cwd=tmp_path)
+    assert done.returncode == 130
+    assert done.stderr == "irb2400: interrupted; nothing was written\n"
 
 
 def test_numbers_of_neighbours_do_not_touch() -> None:

@@ -185,6 +185,10 @@ def _cell_of(file: Path | None) -> Cell | None:
     return around
 
 
+_INSIDE_FOOT_M = 0.01
+"""from the middle of the foot: no arm stands beside that"""
+
+
 def _area(arm: Robot, text: str | None, turn: bool) -> Area:
     import numpy as np
 
@@ -203,6 +207,11 @@ def _area(arm: Robot, text: str | None, turn: bool) -> Area:
         raise InputError(
             f"--area: found {text!r}, expected XMIN,YMIN,ZMIN,XMAX,YMAX,ZMAX in mm, such as "
             "500,-800,200,1200,800,600"
+        )
+    if 0.0 < np.abs(values).max() < _INSIDE_FOOT_M:
+        raise InputError(
+            f"--area: found {text!r}, expected mm: a box inside the arm's foot has no place "
+            "for a part; it looks like metres"
         )
     return Area(values[:3], values[3:], turns, turn)
 

@@ -199,6 +199,9 @@ def _told(
                 if shown is not None:
                     shown(suspicions, bool(told.alarms))
     except KeyboardInterrupt:
+        if not watched.seen:
+            # nothing is known yet: no end of a watch
+            raise
         print("stopped")
 
 
