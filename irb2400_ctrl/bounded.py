@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from scipy.linalg.lapack import dposv
 from scipy.optimize import lsq_linear
 
 from irb2400_ctrl.arrays import Array
@@ -29,8 +30,11 @@ def bounded_minimum(A: Array, b: Array, least: Array) -> Array:
     fewest = len(b) + 1
     patience = PATIENCE
     for _ in range(MOST_PIVOTS):
-        z = np.where(free, 0.0, least)
-        z[free] = np.linalg.solve(A[np.ix_(free, free)], b[free] - A[free] @ z)
+        if free.all():
+            z = _solved(A, b)
+        else:
+            z = np.where(free, 0.0, least)
+            z[free] = _solved(A[np.ix_(free, free)], b[free] - A[free] @ z)
         wrong = np.where(free, z < least, A @ z - b < -slack)
         count = int(wrong.sum())
         if not count:
@@ -46,3 +50,9 @@ def bounded_minimum(A: Array, b: Array, least: Array) -> Array:
     L = np.linalg.cholesky(A)
     found = lsq_linear(L.T, np.linalg.solve(L, b), bounds=(least, np.inf), method="bvls")
     return np.asarray(found.x)
+
+
+def _solved(A: Array, b: Array) -> Array:
+    """A^-1 b, by halves where rounding leaves A positive definite."""
+    _, x, info = dposv(A, b, lower=1)
+    return np.asarray(x if info == 0 else np.linalg.solve(A, b))

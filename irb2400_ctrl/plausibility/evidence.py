@@ -234,7 +234,9 @@ class Nominal:
         k = columns[1].shape[2]
         known = k + 4 * n
         X, y, weight = self.weighted(rows, columns, own)
-        X = np.concatenate([X, beside * weight[:, :, None]], axis=2).reshape(m * n, -1)
+        if beside.shape[2]:
+            X = np.concatenate([X, beside * weight[:, :, None]], axis=2)
+        X = X.reshape(m * n, -1)
         A = X.T @ X + np.eye(X.shape[1])
         dry, viscous = self.robot.friction[:, 1:3].T
         none_negative = -np.concatenate([dry, viscous, self.rotors]) / (
@@ -273,9 +275,15 @@ class Nominal:
         # a joint at rest is held by its dry friction: its torque may be off by so much
         held = np.minimum(STILL, own * size / np.hypot(own * size, dry))
         weight = weight * np.where(rows.still, held, 1.0) * ~rows.silent
-        signals = np.stack([rows.turn, rows.qd, rows.qdd, np.ones_like(rows.qd)])
-        drives = (signals * self._drive_spreads(rows)[:, None])[..., None] * np.eye(n)
-        X = np.concatenate([Y, *drives], axis=2) * weight[:, :, None]
+        k = Y.shape[2]
+        X = np.empty((m, n, k + 4 * n))
+        X[:, :, k:] = 0.0
+        np.multiply(Y, weight[:, :, None], out=X[:, :, :k])
+        # a drive acts on its own joint alone
+        joints = np.arange(n)
+        signals = (rows.turn, rows.qd, rows.qdd, np.ones_like(rows.qd))
+        for part, spreads in enumerate(self._drive_spreads(rows)):
+            X[:, joints, k + part * n + joints] = signals[part] * spreads * weight
         y = (rows.tau - nominal - dry * rows.turn - viscous * rows.qd) * weight
         return X, y, weight
 

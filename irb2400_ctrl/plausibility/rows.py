@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from scipy.ndimage import convolve1d
@@ -93,38 +94,73 @@ class Rows:
         )
 
 
+@dataclass(frozen=True)
+class Slow:
+    """A log through the low-pass, on an even grid of `step` [s]; shapes (m, n), SI.
+
+    `gap` says where something is missing, shape (m,); outputs nearer than `half` samples to an end
+    are not complete.
+    """
+
+    angles: Array
+    qd: Array
+    qdd: Array
+    turn: Array
+    tau: Array
+    time: Array
+    gap: Mask
+    half: int
+    step: float
+    cutoff: float
+
+    @classmethod
+    def of(cls, log: Log) -> Slow | None:
+        """None where too little of a log is left to compare."""
+        if len(log.time) < LEAST or log.duration < SHORTEST:
+            return None
+        even = resample(log)
+        step = even.step
+        cutoff = min(CUTOFF, 0.3 * log.rate)
+        half = int(np.ceil(0.8 / (cutoff * step)))
+        weights = firwin(2 * half + 1, cutoff, fs=1.0 / step)
+
+        def slow(signal: Array) -> Array:
+            return np.asarray(convolve1d(signal, weights, axis=0, mode="nearest"))
+
+        angles = slow(even.q)
+        qd = np.gradient(angles, step, axis=0)
+        qdd = np.gradient(qd, step, axis=0)
+        turn = slow(np.tanh(qd / CREEP))
+        gap = np.convolve(~even.valid, np.ones(2 * half + 1), mode="same") > 0.5
+        return cls(angles, qd, qdd, turn, slow(even.tau), even.time, gap, half, step, cutoff)
+
+    def rows(self, delay: float = 0.0) -> Rows | None:
+        """Rows of it, as of `rows_of`."""
+        half = self.half
+        late = round(delay / self.step)
+        place = np.arange(half + 2, len(self.angles) - half - 2)
+        place = place[(place + late >= half) & (place + late < len(self.angles) - half)]
+        place = place[~self.gap[place]]
+        seconds = len(place) * self.step
+        every = max(1, int(0.1 / (self.cutoff * self.step)), int(np.ceil(len(place) / MOST)))
+        place = place[::every]
+        if len(place) < LEAST:
+            return None
+        q, qd, qdd, turn = (signal[place] for signal in (self.angles, self.qd, self.qdd, self.turn))
+        still = (np.abs(qd) < self._slowest) | (np.abs(turn) < 0.5)
+        return Rows(q, qd, qdd, turn, still, self.tau[place + late], seconds, self.time[place])
+
+    @cached_property
+    def _slowest(self) -> Array:
+        """Speed of each joint below which it stands still, shape (n,) [rad/s]."""
+        return np.asarray(np.maximum(CREEP, SLOW * np.sqrt(np.mean(self.qd**2, axis=0))))
+
+
 def rows_of(log: Log, delay: float = 0.0) -> Rows | None:
     """Rows of a log; None where too little of it is left to compare.
 
     Args:
         delay: torques are recorded so much later than the motion they belong to [s].
     """
-    if len(log.time) < LEAST or log.duration < SHORTEST:
-        return None
-    even = resample(log)
-    step = even.step
-    cutoff = min(CUTOFF, 0.3 * log.rate)
-    half = int(np.ceil(0.8 / (cutoff * step)))
-    weights = firwin(2 * half + 1, cutoff, fs=1.0 / step)
-
-    def slow(signal: Array) -> Array:
-        return np.asarray(convolve1d(signal, weights, axis=0, mode="nearest"))
-
-    angles = slow(even.q)
-    qd = np.gradient(angles, step, axis=0)
-    qdd = np.gradient(qd, step, axis=0)
-    turn = slow(np.tanh(qd / CREEP))
-    late = round(delay / step)
-    place = np.arange(half + 2, len(angles) - half - 2)
-    place = place[(place + late >= half) & (place + late < len(angles) - half)]
-    gap = np.convolve(~even.valid, np.ones(2 * half + 1), mode="same") > 0.5
-    place = place[~gap[place]]
-    seconds = len(place) * step
-    place = place[:: max(1, int(0.1 / (cutoff * step)), int(np.ceil(len(place) / MOST)))]
-    if len(place) < LEAST:
-        return None
-    tau = slow(even.tau)[place + late]
-    slowest = np.maximum(CREEP, SLOW * np.sqrt(np.mean(qd**2, axis=0)))
-    still = (np.abs(qd) < slowest) | (np.abs(turn) < 0.5)
-    q, qd, qdd, turn = (signal[place] for signal in (angles, qd, qdd, turn))
-    return Rows(q, qd, qdd, turn, still[place], tau, seconds, even.time[place])
+    slow = Slow.of(log)
+    return None if slow is None else slow.rows(delay)

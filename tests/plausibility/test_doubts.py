@@ -17,8 +17,9 @@ from irb2400_ctrl.plausibility.evidence import Fit, Nominal
 from irb2400_ctrl.plausibility.log_check import _beyond_limits, _perhaps, examined
 from irb2400_ctrl.plausibility.reading import as_labelled, motion_readings, torque_readings
 from irb2400_ctrl.plausibility.rows import rows_of
-from irb2400_ctrl.plausibility.search import Understanding, _Search
+from irb2400_ctrl.plausibility.search import Understanding
 from irb2400_ctrl.plausibility.travel import fastest
+from irb2400_ctrl.plausibility.tried_readings import TriedReadings
 from irb2400_ctrl.robot import load_robot
 
 ROBOT = load_robot("irb2400")
@@ -91,14 +92,14 @@ def test_nothing_is_said_of_the_angle_of_a_joint_that_rests() -> None:
     log = replace(LOG, q=q, qd=None, q_ref=None)
     rows = rows_of(log)
     assert rows is not None
-    search = _Search(Nominal(ROBOT), log, rows)
+    search = TriedReadings(Nominal(ROBOT), log, rows)
     kinds = {"angle_unit", "angle_sign", "axis_sign", "angle_zero"}
     of_one = [one for one in motion_readings(ROBOT) if one.kind in kinds and len(one.joints) == 1]
     assert {one.joints for one in of_one if search._shows(one)} == {(2,)}
     assert {one.joints for one in of_one} == {(j,) for j in range(1, 7)}
     # what holds it says how its torque is to be read
     assert all(search._shows(one) for one in torque_readings(ROBOT))
-    whole = _Search(Nominal(ROBOT), LOG, rows)
+    whole = TriedReadings(Nominal(ROBOT), LOG, rows)
     gone = [one for one in of_one if not whole._shows(one)]
     assert {one.kind for one in gone} <= {"angle_unit"}
 
@@ -112,12 +113,12 @@ def test_an_angle_is_not_read_so_that_its_joint_leaves_its_range() -> None:
     larger = [one for one in readings if one.fits["factor"] > 10.0]
     smaller = [one for one in readings if one.fits["factor"] < 1.0]
     assert len(larger) == len(smaller) == 7
-    search = _Search(Nominal(ROBOT), LOG, rows)
+    search = TriedReadings(Nominal(ROBOT), LOG, rows)
     assert not any(map(search._shows, larger))
     assert all(map(search._shows, smaller))
     # degrees that the file calls radians, and radians that it calls degrees
     for factor, there in ((57.3, smaller), (1 / 57.3, larger)):
-        read_so = _Search(Nominal(ROBOT), replace(LOG, q=factor * LOG.q, q_ref=None), rows)
+        read_so = TriedReadings(Nominal(ROBOT), replace(LOG, q=factor * LOG.q, q_ref=None), rows)
         assert all(map(read_so._shows, there))
 
 

@@ -13,7 +13,7 @@ from independent_plant import Case
 
 from irb2400_ctrl.diagnosis import diagnose
 from irb2400_ctrl.measurement import Log
-from irb2400_ctrl.plausibility import search
+from irb2400_ctrl.plausibility import search, tried_readings
 from irb2400_ctrl.plausibility.criteria import (
     SOUND_LEFT,
     at_others_cost,
@@ -27,6 +27,7 @@ from irb2400_ctrl.plausibility.problem import LogProblem
 from irb2400_ctrl.plausibility.reading import as_labelled, motion_readings
 from irb2400_ctrl.plausibility.rows import rows_of
 from irb2400_ctrl.plausibility.search import understand
+from irb2400_ctrl.plausibility.tried_readings import TriedReadings
 from irb2400_ctrl.robot import load_robot
 
 ROBOT = load_robot("irb2400")
@@ -79,7 +80,9 @@ def test_what_fits_the_others_less_is_not_said(monkeypatch: pytest.MonkeyPatch) 
     given = log(5, 4.0)
     of_four = next(r for r in motion_readings(ROBOT) if r.joints == (4,))
     monkeypatch.setattr(
-        search._Search, "better", lambda self, reading, fit: (of_four, near(fit, 99.0))
+        TriedReadings,
+        "better",
+        lambda self, reading, fit: (of_four, near(fit, 99.0)),
     )
     monkeypatch.setattr(
         search,
@@ -147,14 +150,18 @@ def test_such_a_reading_is_not_given(
     monkeypatch: pytest.MonkeyPatch, costs_the_others: bool
 ) -> None:
     """The search has it, far better by its sharp cost, and leaves it."""
-    monkeypatch.setattr(search, "at_others_cost", lambda *fits: costs_the_others)
+    monkeypatch.setattr(tried_readings, "at_others_cost", lambda *fits: costs_the_others)
     monkeypatch.setattr(
-        search._Search, "sharp_cost", lambda self, reading, *misfits: 0.0 if reading.kind else 1e9
+        TriedReadings,
+        "sharp_cost",
+        lambda self, reading, *misfits: 0.0 if reading.kind else 1e9,
     )
     found: list[Any] = []
-    misread = search._Search.misread
+    misread = TriedReadings.misread
     monkeypatch.setattr(
-        search._Search, "misread", lambda self, *asked: found.append(misread(self, *asked))
+        TriedReadings,
+        "misread",
+        lambda self, *asked: found.append(misread(self, *asked)),
     )
     understand(ROBOT, log(5, 4.0))
     assert [one is None for one in found] == [costs_the_others]
