@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.codegen import Block, Field, compile_block, compile_function
-from irb2400_ctrl.controllers.margins import Margins, frequencies, margins
+from irb2400_ctrl.controllers.margins import Margins, frequencies, margins, response_of
 from irb2400_ctrl.controllers.scaling import typical_inertia
 from irb2400_ctrl.controllers.timing import Timing
 from irb2400_ctrl.effects.transmission import wound_torque
@@ -226,8 +226,13 @@ class LinearLoop:
 
     @cached_property
     def open_loop(self) -> Any:
-        """From torque command to what the controller answers (negative feedback), discrete
-        `control.StateSpace`."""
+        """From torque command to the controller's answer (negative feedback), as their product."""
+        controller, measured, actuator = self._chain
+        return controller * measured * actuator
+
+    @cached_property
+    def _chain(self) -> tuple[Any, Any, Any]:
+        """Controller, arm with its sensors, and actuators, each a discrete `control.StateSpace`."""
         import control
 
         n = self.robot.n
@@ -238,17 +243,17 @@ class LinearLoop:
                 f"{timing.sample_time} s"
             )
         arm = control.sample_system(linearize(self.robot, self.q), timing.sample_time, method="zoh")
-        actuator = _diagonal([control.tf2ss(timing.actuator())] * n)
+        actuator = control.append(*[control.tf2ss(timing.actuator())] * n)
         ones = [control.ss([], [], [], [[1.0]], timing.sample_time)] * n
         if timing.speed_filter_Hz > 0:
             # the speed is made from the angle, so the arm's own speed is not used
             only_q = control.ss(arm.A, arm.B, arm.C[:n], arm.D[:n], timing.sample_time)
             split = np.vstack([np.eye(n), np.eye(n)])
-            sensors = _diagonal([*ones, *([control.tf2ss(timing.speed())] * n)]) * split
+            sensors = control.append(*ones, *[control.tf2ss(timing.speed())] * n) * split
             measured = sensors * only_q
         else:
             measured = arm
-        return linearize_block(self.block, self.q) * measured * actuator
+        return linearize_block(self.block, self.q), measured, actuator
 
     @cached_property
     def poles(self) -> NDArray[np.complex128]:
@@ -275,11 +280,12 @@ class LinearLoop:
         """S = (1 + L)^-1 at the torque command, in units of the torque limits, where one is
         unknown of what turns each joint at one acceleration, shape (k, n, n)."""
         z = np.exp(1j * self.omega * self.timing.sample_time)
-        response = np.moveaxis(self.open_loop(z, squeeze=False), -1, 0)
+        # part by part: a system of all their states takes ten times as long
+        controller, measured, actuator = (response_of(part, z) for part in self._chain)
         unit = self.robot.tau_bound
         if not np.isfinite(unit).all():
             unit = typical_inertia(self.robot)
-        scaled = response * unit / unit[:, None]
+        scaled = controller @ measured @ actuator * unit / unit[:, None]
         return np.asarray(np.linalg.inv(np.eye(self.robot.n) + scaled))
 
     @property
@@ -295,12 +301,6 @@ class LinearLoop:
     def joint(self, j: int) -> Margins:
         """Margins of joint j (1 …) with the loops of all others closed."""
         return margins(self.omega, 1.0 / self.sensitivity[:, j - 1, j - 1] - 1.0)
-
-
-def _diagonal(systems: list[Any]) -> Any:
-    import control
-
-    return control.append(*systems)
 
 
 def to_control(block: Block) -> Any:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -79,3 +80,9 @@ def margins(omega: Array, L: Response) -> Margins:
 def frequencies(sample_time: float, count: int = 4000) -> Array:
     """Angular frequencies [rad/s] from 0.1 rad/s to just below half the sampling rate."""
     return np.geomspace(0.1, 0.999 * np.pi / sample_time, count)
+
+
+def response_of(system: Any, z: Response) -> Response:
+    """C (z - A)^-1 B + D of a `control.StateSpace` at z (k,), shape (k, outputs, inputs)."""
+    inside = z[:, None, None] * np.eye(len(system.A)) - system.A
+    return np.asarray(system.C @ np.linalg.solve(inside, system.B) + system.D)
