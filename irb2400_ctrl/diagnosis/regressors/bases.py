@@ -24,6 +24,9 @@ from irb2400_ctrl.symbolic.vectorised import Vectorised
 
 CHUNK = 1_000_000
 """numbers per array while a grid is evaluated: bounds the memory"""
+REMEMBERED = 40_000
+"""the same of effects with memory, of which many arrays are at hand: they stay in the processor's
+cache"""
 
 
 @dataclass(frozen=True)
@@ -215,7 +218,7 @@ class _Law:
             return [RegressorColumns(self.joints, v) for v in values]
         inputs = [signal[:, None] for signal in self.signals.numbers(self.asked, motion)]
         always = bool(active.all())
-        numbers = CHUNK if self.memory is None else CHUNK // 4
+        numbers = CHUNK if self.memory is None else REMEMBERED
         chunk = max(1, numbers // m)
         for start in range(0, len(grid), chunk):
             points = grid[start : start + chunk]

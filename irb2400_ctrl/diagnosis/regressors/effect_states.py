@@ -116,28 +116,24 @@ def _followed(
     point of the grid, found[start][state] (m, g)."""
     n = len(c)
     m, points = shape
-    # a point of the grid after the other: its samples side by side
-    steps = [[_turned(e, m - 1, points) for e in row] for row in E]
-    add = [_turned(v, m - 1, points) for v in c]
-    found = np.empty((len(starts), n, points, m))
+    inside = (m - 1, points)
+    steps = [[np.broadcast_to(e, inside) for e in row] for row in E]
+    add = [np.broadcast_to(v, inside) for v in c]
+    found = np.empty((len(starts), n, m, points))
     # column by column below a diagonal of ones, as LAPACK keeps a band
     band = np.zeros((m, n, 2 * n))
     right = np.zeros((len(starts), m, n))
     for point in range(points):
         for i in range(n):
             for k in range(n):
-                np.negative(steps[i][k][point], out=band[:-1, k, n + i - k])
-            right[:, 1:, i] = add[i][point]
+                np.negative(steps[i][k][:, point], out=band[:-1, k, n + i - k])
+            right[:, 1:, i] = add[i][:, point]
             right[:, 0, i] = [start[i][point] for start in starts]
         x, _ = dtbtrs(
             band.reshape(-1, 2 * n).T, right.reshape(len(starts), -1).T, uplo="L", diag="U"
         )
-        found[:, :, point] = x.T.reshape(len(starts), m, n).transpose(0, 2, 1)
-    return [[np.ascontiguousarray(state.T) for state in begun] for begun in found]
-
-
-def _turned(values: Array, samples: int, points: int) -> Array:
-    return np.ascontiguousarray(np.broadcast_to(values, (samples, points)).T)
+        found[..., point] = x.T.reshape(len(starts), m, n).transpose(0, 2, 1)
+    return [list(begun) for begun in found]
 
 
 def _scalar(a: Array, b: Array, h: float) -> tuple[list[list[Array]], list[Array]]:

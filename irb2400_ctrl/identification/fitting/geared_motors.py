@@ -9,8 +9,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
+import numpy.typing as npt
 from scipy.optimize import minimize
 
 from irb2400_ctrl.arrays import Array, Mask
@@ -152,27 +154,62 @@ class _Wrist:
         """Geometric mean over the axes of what drives with these motors leave of their torque."""
         if any(abs(ratio) > LARGEST for motor in motors for ratio in motor.ratios):
             return float("inf")
-        first = self.axes[0]
-        known = self.known[:, self.axes]
-        m, count = known.shape
-        torque = np.where(known, self.torque[:, self.axes], 0.0)
-        samples = np.maximum(known.sum(axis=0), 1)
-        size = np.sqrt((torque**2).sum(axis=0) / samples) + NOTHING
-        columns = np.zeros((count, m, 4 * count + 3 * len(motors)))
+        drives = self._drives
+        count, m = drives.torque.shape
+        turned = np.zeros((count, m, 3 * len(motors)))
+        for k, motor in enumerate(motors):
+            on = motor_torques(motor, self.qd, self.qdd)[:, self.axes[0] :].swapaxes(0, 1)
+            turned[: len(on), :, 3 * k : 3 * k + 3] = on
+        A = drives.columns
+        B = _of_one_size(turned * drives.weight[:, :, None])
+        y = drives.torque.ravel()
+        beside = A.T @ B
+        H = np.block([[drives.squares, beside], [beside.T, B.T @ B]])
+        H += RIDGE * len(A) * np.eye(len(H))
+        own, others = np.split(np.linalg.solve(H, np.append(A.T @ y, B.T @ y)), [A.shape[1]])
+        rest = (y - A @ own - B @ others).reshape(count, m)
+        each = (rest**2).sum(axis=1) / drives.samples
+        return float(np.exp(np.mean(np.log(each + NOTHING)) / 2.0))
+
+    @cached_property
+    def _drives(self) -> _Drives:
+        known = self.known[:, self.axes].T
+        torque = np.where(known, self.torque[:, self.axes].T, 0.0)
+        samples = np.maximum(known.sum(axis=1), 1)
+        size = np.sqrt((torque**2).sum(axis=1) / samples) + NOTHING
+        weight = known / size[:, None]
+        count, m = known.shape
+        columns = np.zeros((count, m, 4 * count))
         for row, j in enumerate(self.axes):
             qd = self.qd[:, j]
             for place, signal in enumerate((np.sign(qd), qd, self.qdd[:, j], np.ones(m))):
-                columns[row, :, 4 * row + place] = signal
-        for k, motor in enumerate(motors):
-            on = motor_torques(motor, self.qd, self.qdd)[:, first:].swapaxes(0, 1)
-            columns[: len(on), :, 4 * count + 3 * k :][:, :, :3] = on
-        columns *= (known / size).T[:, :, None]
-        A = columns.reshape(count * m, -1)
-        A = A / (np.sqrt(np.mean(A**2, axis=0)) + NOTHING)
-        y = (torque / size).T.ravel()
-        H = A.T @ A + RIDGE * len(A) * np.eye(A.shape[1])
-        rest = (y - A @ np.linalg.solve(H, A.T @ y)).reshape(count, m)
-        return float(np.exp(np.mean(np.log((rest**2).sum(axis=1) / samples + NOTHING)) / 2.0))
+                columns[row, :, 4 * row + place] = signal * weight[row]
+        A = _of_one_size(columns)
+        return _Drives(torque / size[:, None], samples, weight, A, A.T @ A)
+
+
+@dataclass(frozen=True)
+class _Drives:
+    """What stays of a wrist whatever its axes turn, its axes one after another.
+
+    Args:
+        torque: over the size of each, (axes, m); samples: that are known of each, (axes,).
+        weight: one over the size, nothing where the torque is not known, (axes, m).
+        columns: of the drives' own numbers, of one size, (axes m, 4 axes); squares: their products.
+    """
+
+    torque: Array
+    samples: npt.NDArray[np.intp]
+    weight: Array
+    columns: Array
+    squares: Array
+
+
+def _of_one_size(columns: Array) -> Array:
+    """Columns of rms one below one another, (axes, m, k) as (axes m, k)."""
+    count, m, k = columns.shape
+    A = columns.reshape(count * m, k)
+    return np.asarray(A / (np.sqrt(np.mean(A**2, axis=0)) + NOTHING))
 
 
 def _motor(joint: int, ratios: Sequence[float] | Array) -> Extra:
