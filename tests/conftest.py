@@ -19,7 +19,11 @@ sys.dont_write_bytecode = False
 
 def pytest_collection_finish() -> None:
     """The tests and what they import stay to the end: the search for garbage, which took a twelfth
-    of the time, need not look through them again and again."""
+    of the time, need not look through them again and again. Memory is dealt with as the command
+    line does it."""
+    from irb2400_ctrl.system import give_back_large_arrays
+
+    give_back_large_arrays()
     gc.collect()
     gc.freeze()
 
