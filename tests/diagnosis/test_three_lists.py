@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import html
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any, cast
 
@@ -16,7 +16,6 @@ from irb2400_ctrl.diagnosis.lists import FindingList, list_of
 from irb2400_ctrl.diagnosis.preparation.noise_test import NoiseTest
 from irb2400_ctrl.effects import LIBRARY
 from irb2400_ctrl.effects.base import OPEN_END_S
-from irb2400_ctrl.identification.reference_error import has_changed, simplest, worse_joints
 from irb2400_ctrl.report.elements.page import Page
 from irb2400_ctrl.report.pages.diagnosis_page import (
     _add_findings,
@@ -119,61 +118,6 @@ def test_numbers_of_one_name_are_one_line() -> None:
     ]
     lacking = [number(f"joint {j}", "rotor_kgm2", None, 0.5 * j) for j in (2, 1)]
     assert number_lines(lacking) == ["rotor inertia [kg m2] of joints 1 and 2: 0.500, 1.00"]
-
-
-def test_what_the_reference_leaves_itself_has_not_changed() -> None:
-    floor = np.ones(6)
-    error = np.array([2.0, 2.0, 1.0, 4.0, 1.0, 1.0])
-    unseen = np.array([2.0, 1.2, 1.0, 2.0, 1.0, 1.0])
-    before = diagnosis()
-    before.least_floor = floor
-    worse = worse_joints(error, floor, before, unseen)
-    assert worse.tolist() == [False, True, False, True, False, False]
-    assert has_changed(number("joint 4", "coulomb_Nm", 1.0, 2.0), worse)
-    assert not has_changed(number("joint 1", "coulomb_Nm", 1.0, 2.0), worse)
-    assert has_changed(number("link 1", "mass_kg", 1.0, 2.0), worse)
-
-
-@pytest.mark.parametrize(("needed", "said"), [(0, 0), (1, 1), (2, 3), (3, 3)])
-def test_the_fewest_changes_that_explain_the_log_are_taken(needed: int, said: int) -> None:
-    """Two explanations less than `needed` leave more than the reference does.
-
-    Of a TX40 whose readings of joint 1 were a quarter too large all that was found was left out:
-    the floor had been read from what that left.
-    """
-    before = SimpleNamespace(least_floor=np.ones(6))
-    unseen = np.full(6, 1.2)
-
-    def few(count: int) -> Any:
-        left = np.full(6, 1.1 if count >= needed else 3.0)
-        compared = SimpleNamespace(error_after=SimpleNamespace(rmse=left))
-        return Tried(count, compared)
-
-    found: Any = few(said)
-    found.least_floor = np.ones(6)
-    taken: Any = simplest(found, few, cast(Any, before), unseen)
-    assert len(taken.findings) == needed
-    assert len(taken.weak) == (needed < said)
-
-
-@dataclass
-class Tried:
-    """A diagnosis of so many explanations."""
-
-    count: int
-    identification: Any
-    least_floor: Any = None
-    unexplained: tuple[()] = ()
-    weak: tuple[str, ...] = ()
-
-    @property
-    def noise_floor(self) -> Any:
-        """All that is left passes for it."""
-        return self.identification.error_after.rmse
-
-    @property
-    def findings(self) -> tuple[int, ...]:
-        return tuple(range(self.count))
 
 
 def test_of_a_direction_its_largest_part_is_said() -> None:
