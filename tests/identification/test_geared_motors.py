@@ -55,8 +55,9 @@ def test_the_ratio_of_a_drawn_wrist_is_found(seed: int, joint: int) -> None:
     assert motor.joint == joint + 1
     assert motor.ratio == pytest.approx(drawn.shape[0], abs=0.03)
     assert motor.far_ratio == pytest.approx(0.0, abs=0.05)
-    (line,) = [note for note in found.notes if "turn along" in note]
-    assert line.startswith(f"joint {joint + 1} ")
+    (line,) = [note for note in found.notes if "turns along" in note]
+    turned = f"{motor.ratio:+.2f} times joint {joint} "
+    assert line.startswith(f"joint {joint + 1} has a motor that turns along with {turned}")
     (judged,) = [log for log in found.logs if log.role == "validation"]
     ratio = judged.error("unseen").rmse / judged.error("plain").rmse
     assert ratio[joint - 1 : joint + 1].max() < 0.6
