@@ -91,7 +91,11 @@ def test_a_sum_that_says_nothing_is_refused(more: str, says: str, tmp_path: Path
 
 @pytest.mark.parametrize(
     ("more", "joint"),
-    [(ANGLES.replace("joint = 3", "joint = 4"), 4), (ANGLES.replace("2 =", "7 ="), 3)],
+    [
+        (ANGLES.replace("joint = 3", "joint = 4"), 4),
+        (ANGLES.replace("2 =", "7 ="), 3),
+        (ANGLES.replace("joint = 3", "joint = 7").replace("2 =", "8 ="), 7),
+    ],
 )
 def test_a_sum_of_joints_that_are_not_there_is_refused(
     more: str, joint: int, tmp_path: Path
