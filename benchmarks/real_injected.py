@@ -1,14 +1,16 @@
 """Known torques laid over real recordings: what of them a diagnosis beside a reference finds.
 
     python -m benchmarks.real_injected FOLDER OUT [--robots kr300,tx40,panda] [--seeds 1:3]
-        [--shares 0.1,0.25,0.5]
+        [--shares 0.1,0.25,0.5] [--swapped]
     python -m benchmarks.real_injected table OUT...
 
 FOLDER holds the recordings of `benchmarks/real_robots.py`. Each arm is identified from one part of
 its recordings; over the other part a law's torque is laid, written here from the published
 equations with the measured angles, of which the rms on the joint that it acts on most is a share of
 that joint's. The motion stays as it was: an arm that is driven over the same path needs just this
-torque more. What is under it is a real arm's own misfit and noise, which no plant has.
+torque more. What is under it is a real arm's own misfit and noise, which no plant has. Without
+shares (`--shares ""`) only the untouched part is diagnosed; `--swapped`: the other part is the
+reference. `most_left`: of what is left over what the reference leaves, of the joint with most.
 """
 
 from __future__ import annotations
@@ -17,7 +19,7 @@ import argparse
 import json
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -25,6 +27,7 @@ import numpy as np
 from scipy.signal import savgol_filter
 from threadpoolctl import threadpool_limits
 
+from benchmarks.real_recordings import swapped
 from benchmarks.real_robots import CASES, Case
 from irb2400_ctrl.arrays import rms
 from irb2400_ctrl.diagnosis import Diagnosis
@@ -187,18 +190,16 @@ def judged(found: Diagnosis, kind: str, joint: int | None) -> str:
     return "said" if said else "silent"
 
 
-def run(
-    folder: Path, out: Path, robots: Sequence[str], seeds: range, shares: Sequence[float]
-) -> None:
+def run(cases: Sequence[Case], out: Path, seeds: range, shares: Sequence[float]) -> None:
     """Write a line per log; what is there already is not run again.
 
     Args:
-        folder: of recordings; out: to add to.
-        robots, seeds, shares: all with all.
+        cases, seeds, shares: all with all.
+        out: to add to.
     """
     there = {(x["robot"], x["seed"], x["share"], x["kind"]) for x in lines_of([out])}
-    for robot in robots:
-        case = CASES[robot](folder)
+    for case in cases:
+        robot = case.name
         (log,) = case.others[:1]
         motion = Motion.of(log)
         for seed, share in [(seed, share) for seed in seeds for share in (0.0, *shares)]:
@@ -212,6 +213,7 @@ def run(
                 start = time.process_time()
                 with threadpool_limits(limits=1, user_api="blas"):
                     found = diagnose_change(case.robot, today, list(case.logs))
+                assert found.usual_error is not None
                 line: dict[str, Any] = {
                     "robot": robot,
                     "seed": seed,
@@ -220,6 +222,7 @@ def run(
                     "joint": joint,
                     "size": size,
                     "judged": judged(found, kind, joint),
+                    "most_left": float((found.mostly_left / found.usual_error).max()),
                     "verdict": found.verdict,
                     "names": [
                         (f.effect.kind, f.effect.joint, f.confidence) for f in found.findings
@@ -260,13 +263,17 @@ def main() -> None:
     parser.add_argument("--robots", default="kr300,tx40,panda")
     parser.add_argument("--seeds", default="1:3", help="first:behind the last")
     parser.add_argument("--shares", default="0.1,0.25,0.5")
+    parser.add_argument("--swapped", action="store_true")
     args = parser.parse_args()
     if args.folder == "table":
         print(table(lines_of(args.out)))
         return
     seeds = range(*map(int, args.seeds.split(":")))
-    shares = [float(share) for share in args.shares.split(",")]
-    run(Path(args.folder), args.out[0], args.robots.split(","), seeds, shares)
+    shares = [float(share) for share in args.shares.split(",") if share]
+    cases = [CASES[name](Path(args.folder)) for name in args.robots.split(",")]
+    if args.swapped:
+        cases = [replace(swapped(case), name=f"{case.name} swapped") for case in cases]
+    run(cases, args.out[0], seeds, shares)
 
 
 if __name__ == "__main__":

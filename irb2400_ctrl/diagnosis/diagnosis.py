@@ -254,6 +254,7 @@ class Diagnosis(Displayed):
             "recalibrated": plain(dict(self.recalibrated)),
             "unexplained": [u.to_json() for u in self.unexplained],
             "beyond_noise": list(self.beyond_noise),
+            "taken_up": list(self.taken_up),
             "error": self.error,
             "not_excited": list(self.not_excited),
             "weak": list(self.weak),

@@ -166,6 +166,10 @@ class FindingsFile(Table):
     recalibrated: dict[str, Any] = Field(description="terms with new values, a value a joint; SI")
     unexplained: list[UnexplainedEntry]
     beyond_noise: list[int] = Field(description="joints on which more than noise is left")
+    taken_up: list[int] = Field(
+        default_factory=list,
+        description="joints that are not as the reference has them, by numbers that it leaves open",
+    )
     error: AllErrorsEntry
     not_excited: list[int] = Field(description="joints that hardly moved: nothing is said of them")
     weak: list[str] = Field(description="why the answer is weaker than usual")

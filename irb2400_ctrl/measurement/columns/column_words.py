@@ -6,8 +6,8 @@ import re
 
 OTHERS = re.compile(
     r"acc|qdd|ddq|ddot|err|ext|grav|limit|temp(?!s)|volt|tcp|cart|wrench|jerk|collision|inertia|dist"
-    r"|(?<![a-z])dst|resid|power|pose(?![a-z])|dtau|tau_?dot|(?<!joint)(?<!joint_)(?<!jnt)(?<!jnt_)(?<!axis_)"
-    r"(?<!(?<![a-z])[aj]_)force"
+    r"|(?<![a-z])dst|resid|power|pose(?![a-z])|dtau|tau_?dot"
+    r"|(?<!joint)(?<!joint_)(?<!jnt)(?<!jnt_)(?<!axis_)(?<!(?<![a-z])[aj]_)force"
     r"|mode(?!l)|control_output|load.?(?:factor|rate|ratio)|bias|passive|constraint|diff"
     r"|(?<![a-z])k[pid](?![a-z])|加速|温|電圧|負荷率|负载率|온도|전압|가속"
 )

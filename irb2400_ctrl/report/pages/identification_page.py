@@ -231,12 +231,13 @@ def drive_rows(result: Identification) -> tuple[list[str], list[list[object]]]:
     for term in DRIVE_TERMS:
         own = layout.drive(term)
         pairs = zip(result.theta[own], result.standard_errors[own], strict=True)
-        found[f"{term} [{UNITS[term]}]"] = [with_error(float(v), float(e)) for v, e in pairs]
+        found[term] = [with_error(float(v), float(e)) for v, e in pairs]
     for extra in layout.extras:
         if extra.kind == "reading":  # of the two the difference alone is known
-            found[f"rotor [{UNITS['rotor']}]"][extra.joint - 1] = "not told"
+            found["rotor"][extra.joint - 1] = "not told"
+    head = [f"{term} [{UNITS[term]}]" for term in found]
     rows = [[str(j), *row] for j, row in enumerate(zip(*found.values(), strict=True), start=1)]
-    return ["joint", *found], rows
+    return ["joint", *head], rows
 
 
 def extra_rows(result: Identification) -> tuple[list[str], list[list[object]]]:
