@@ -37,7 +37,8 @@ USUAL = 1.3
 """times what a reference leaves on stretches that its model had not seen"""
 NEVER_NOISE = 2.0
 """times that, beyond which nothing left is noise, whatever the angles' noise may explain: parts of
-four real arms against others of the same leave 1.56 at most"""
+four real arms against others of the same leave 1.56 at most (`benchmarks/real_injected.py` without
+shares, and swapped)"""
 
 
 @dataclass(frozen=True)
