@@ -24,3 +24,14 @@ def test_a_log_and_its_watch_are_one_line() -> None:
     watch = Watch(ROBOT, learn=20.0)
     list(watch.feed(log))
     assert repr(watch) == "<Watch of ABB IRB 2400: nothing learned yet, 0 blocks seen>"
+
+
+def test_what_a_script_makes_first_is_one_line() -> None:
+    assert repr(ROBOT) == f"<Robot ABB IRB 2400: 6 joints, {len(ROBOT.effects)} effects>"
+    assert str(ROBOT) == repr(ROBOT)
+    circle = irb.planners.builders.circle((0.95, 0.0, 0.6), 0.15, feed=0.1)
+    points = len(circle.position)
+    assert repr(circle) == f"<ToolPath {circle.name}: {points} points with tool axes>"
+    block = irb.controller("gravity_pd", ROBOT)
+    assert repr(block).startswith("<Block gravity_pd: q qd q_ref ")
+    assert repr(block).endswith(", every 1 ms>")

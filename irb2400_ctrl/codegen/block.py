@@ -116,6 +116,10 @@ class Block:
     axes: tuple[tuple[float, float], ...] = ()
     """distance [m] and angle [rad] from each axis of its arm to the next; empty of no arm"""
 
+    def __repr__(self) -> str:
+        sides = [" ".join(field.name for field in one) for one in (self.inputs, self.outputs)]
+        return f"<Block {self.name}: {' -> '.join(sides)}, every {1e3 * self.sample_time:g} ms>"
+
     def __post_init__(self) -> None:
         positive("sample_time", self.sample_time, "s")
         if not ca.Function.check_name(self.name):

@@ -47,6 +47,9 @@ class Excitation:
     table: tuple[Separability, ...]
     gain: float
 
+    def __repr__(self) -> str:
+        return f"<Excitation of {self.group.name}: {self.course.duration:.3f} s>"
+
     def __post_init__(self) -> None:
         self.tau.setflags(write=False)
 

@@ -60,6 +60,10 @@ class IdentificationMotion:
     condition: tuple[float, float]
     flavours: tuple[str, ...]
 
+    def __repr__(self) -> str:
+        whole = self.course.duration + self.runs.course.duration
+        return f"<IdentificationMotion of {self.robot.name}: {whole:.3f} s with its slow runs>"
+
     def summary(self) -> dict[str, Any]:
         """The content of `excitation.json`."""
         own = self.extent

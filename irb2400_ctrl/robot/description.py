@@ -31,8 +31,6 @@ from irb2400_ctrl.table import Table
 
 STRIBECK_RAD_S = 0.01
 """speed at which static friction would fade where the file states none; typical of such gears"""
-
-
 WORST_COUPLING = 1e6
 """condition number; links turn by about as much as their motors do"""
 
@@ -59,6 +57,11 @@ class Robot(Table):
     effect_files: tuple[Path, ...] = Field(default=(), exclude=True)
     """Python files that define effects of the user's own; a robot file names them relative to
     itself. No part of the description: `effects` is the same wherever the file lies"""
+
+    def __repr__(self) -> str:
+        return f"<Robot {self.name}: {len(self.joints)} joints, {len(self.effects)} effects>"
+
+    __str__ = __repr__
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
@@ -240,9 +243,8 @@ class Robot(Table):
         for f in (joint.friction for joint in self.joints):
             coulomb = f.coulomb_Nm or 0.0
             static = coulomb if f.static_Nm is None else f.static_Nm
-            rows.append(
-                [static, coulomb, f.viscous_Nms_rad or 0.0, f.stribeck_rad_s or STRIBECK_RAD_S]
-            )
+            fades = f.stribeck_rad_s or STRIBECK_RAD_S
+            rows.append([static, coulomb, f.viscous_Nms_rad or 0.0, fades])
         return _read_only(np.array(rows))
 
     @cached_property
@@ -307,9 +309,8 @@ class Robot(Table):
     def bare(self) -> Robot:
         """The arm alone, with the bodies that it carries always: without forces and measuring
         chain."""
-        return self.model_copy(
-            update={"effects": tuple(e for e in self.effects if e.role == "parameters")}
-        )
+        kept = tuple(e for e in self.effects if e.role == "parameters")
+        return self.model_copy(update={"effects": kept})
 
     def lasting(self) -> Robot:
         """The robot after a record: what began in it acts from now on, what also ended in it was an

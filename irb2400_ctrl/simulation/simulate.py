@@ -55,6 +55,9 @@ class Loop:
     substeps: int = SUBSTEPS
     """time steps of the plant per control period"""
 
+    def __repr__(self) -> str:
+        return f"<Loop: {self.controller.name} on {self.plant.name}>"
+
     @typed
     def run(
         self,

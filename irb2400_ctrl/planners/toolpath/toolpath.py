@@ -34,6 +34,10 @@ class ToolPath:
     (n,)"""
     name: str = "path"
 
+    def __repr__(self) -> str:
+        held = "tool axes" if self.rotation is None else "full orientations"
+        return f"<ToolPath {self.name}: {len(self.position)} points with {held}>"
+
     def __post_init__(self) -> None:
         n = len(self.position)
         if self.feed.size == 0:
