@@ -1,7 +1,7 @@
-"""Known torques laid over real recordings: what of them a diagnosis beside a reference finds.
+"""Known torques laid over real recordings: what of them a diagnosis finds.
 
     python -m benchmarks.real_injected FOLDER OUT [--robots kr300,tx40,panda] [--seeds 1:3]
-        [--shares 0.1,0.25,0.5] [--swapped]
+        [--shares 0.1,0.25,0.5] [--swapped] [--file]
     python -m benchmarks.real_injected table OUT...
 
 FOLDER holds the recordings of `benchmarks/real_robots.py`. Each arm is identified from one part of
@@ -10,7 +10,8 @@ equations with the measured angles, of which the rms on the joint that it acts o
 that joint's. The motion stays as it was: an arm that is driven over the same path needs just this
 torque more. What is under it is a real arm's own misfit and noise, which no plant has. Without
 shares (`--shares ""`) only the untouched part is diagnosed; `--swapped`: the other part is the
-reference. `most_left`: of what is left over what the reference leaves, of the joint with most.
+reference; `--file`: the arm's identified file stands for it, as `diagnose --robot` has it.
+`most_left`: of what is left over what is left usually, of the joint with most.
 """
 
 from __future__ import annotations
@@ -30,9 +31,9 @@ from threadpoolctl import threadpool_limits
 from benchmarks.real_recordings import swapped
 from benchmarks.real_robots import CASES, Case
 from irb2400_ctrl.arrays import rms
-from irb2400_ctrl.diagnosis import Diagnosis
+from irb2400_ctrl.diagnosis import Diagnosis, diagnose
 from irb2400_ctrl.effects import LIBRARY
-from irb2400_ctrl.identification import diagnose_change
+from irb2400_ctrl.identification import diagnose_change, identify
 from irb2400_ctrl.measurement import Log
 
 WINDOW = 0.06
@@ -172,7 +173,8 @@ def laid_over(
 def judged(found: Diagnosis, kind: str, joint: int | None) -> str:
     """exact, group, other (a name of another kind or joint), said (without a name) or silent."""
     names = [(f.effect.kind, f.effect.joint, f.alternatives) for f in found.findings]
-    changed = [(n.place, n.name) for n in found.numbers if n.list == "changed"]
+    told = [n for n in found.numbers if n.list == "changed" or not found.change]
+    changed = [(n.place, n.name) for n in told]
     if any((one, where) == (kind, joint) for one, where, _ in names):
         return "exact"
     if kind in NUMBERS and (f"joint {joint}", NUMBERS[kind]) in changed:
@@ -186,21 +188,26 @@ def judged(found: Diagnosis, kind: str, joint: int | None) -> str:
         return "group"
     if names:
         return "other"
-    said = found.verdict == "unexplained" or bool(changed) or bool(found.taken_up)
+    own = [where for where, _ in changed if where == f"joint {joint}" or "joint" not in where]
+    said = found.verdict == "unexplained" or bool(own) or bool(found.taken_up)
     return "said" if said else "silent"
 
 
-def run(cases: Sequence[Case], out: Path, seeds: range, shares: Sequence[float]) -> None:
+def run(
+    cases: Sequence[Case], out: Path, seeds: range, shares: Sequence[float], file: bool
+) -> None:
     """Write a line per log; what is there already is not run again.
 
     Args:
         cases, seeds, shares: all with all.
         out: to add to.
+        file: whether an identified file stands for the reference's logs.
     """
     there = {(x["robot"], x["seed"], x["share"], x["kind"]) for x in lines_of([out])}
     for case in cases:
-        robot = case.name
+        robot = f"{case.name} file" if file else case.name
         (log,) = case.others[:1]
+        known = identify(case.robot, case.logs).robot if file else None
         motion = Motion.of(log)
         for seed, share in [(seed, share) for seed in seeds for share in (0.0, *shares)]:
             for number, kind in enumerate(("payload", *LAWS) if share else ("nothing",)):
@@ -212,8 +219,10 @@ def run(cases: Sequence[Case], out: Path, seeds: range, shares: Sequence[float])
                 today = Log(log.time, log.q, log.tau + torque, qd=log.qd, name=log.name)
                 start = time.process_time()
                 with threadpool_limits(limits=1, user_api="blas"):
-                    found = diagnose_change(case.robot, today, list(case.logs))
-                assert found.usual_error is not None
+                    if known is None:
+                        found = diagnose_change(case.robot, today, list(case.logs))
+                    else:
+                        found = diagnose(known, today)
                 line: dict[str, Any] = {
                     "robot": robot,
                     "seed": seed,
@@ -222,15 +231,15 @@ def run(cases: Sequence[Case], out: Path, seeds: range, shares: Sequence[float])
                     "joint": joint,
                     "size": size,
                     "judged": judged(found, kind, joint),
-                    "most_left": float((found.mostly_left / found.usual_error).max()),
+                    "most_left": float((found.mostly_left / found.usually_left).max()),
                     "verdict": found.verdict,
                     "names": [
                         (f.effect.kind, f.effect.joint, f.confidence) for f in found.findings
                     ],
                     "cpu": time.process_time() - start,
                 }
-                with out.open("a") as file:
-                    file.write(json.dumps(line, default=float) + "\n")
+                with out.open("a") as lines:
+                    lines.write(json.dumps(line, default=float) + "\n")
                 print(line, flush=True)
 
 
@@ -264,6 +273,7 @@ def main() -> None:
     parser.add_argument("--seeds", default="1:3", help="first:behind the last")
     parser.add_argument("--shares", default="0.1,0.25,0.5")
     parser.add_argument("--swapped", action="store_true")
+    parser.add_argument("--file", action="store_true")
     args = parser.parse_args()
     if args.folder == "table":
         print(table(lines_of(args.out)))
@@ -273,7 +283,7 @@ def main() -> None:
     cases = [CASES[name](Path(args.folder)) for name in args.robots.split(",")]
     if args.swapped:
         cases = [replace(swapped(case), name=f"{case.name} swapped") for case in cases]
-    run(cases, args.out[0], seeds, shares)
+    run(cases, args.out[0], seeds, shares, args.file)
 
 
 if __name__ == "__main__":

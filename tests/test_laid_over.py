@@ -68,7 +68,13 @@ def found(*names: tuple[str, int | None], **more: Any) -> Any:
         SimpleNamespace(effect=SimpleNamespace(kind=kind, joint=joint), alternatives=())
         for kind, joint in names
     ]
-    about = {"findings": findings, "numbers": (), "verdict": "explained", "taken_up": ()}
+    about = {
+        "findings": findings,
+        "numbers": (),
+        "verdict": "explained",
+        "taken_up": (),
+        "change": True,
+    }
     return SimpleNamespace(**(about | more))
 
 
@@ -83,5 +89,9 @@ def test_how_a_diagnosis_counts() -> None:
     number = SimpleNamespace(list="changed", place="joint 3", name="coulomb_Nm")
     assert judged(found(**silent, numbers=(number,)), "coulomb_change", 3) == "exact"
     assert judged(found(**silent, numbers=(number,)), "torque_offset", 3) == "said"
+    assert judged(found(**silent, numbers=(number,)), "torque_offset", 2) == "silent"
+    number.list = "special"
+    assert judged(found(**silent, numbers=(number,)), "torque_offset", 3) == "silent"
+    assert judged(found(**silent, numbers=(number,), change=False), "torque_offset", 3) == "said"
     lines = [{"robot": "arm", "share": 0.25, "judged": word} for word in ("exact", "exact", "said")]
     assert table(lines).endswith("| arm | 25 % | 3 | 2 | 0 | 0 | 1 | 0 |")

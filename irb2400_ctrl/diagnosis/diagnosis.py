@@ -153,8 +153,8 @@ class Diagnosis(Displayed):
             j for j in self.noise.by_means_alone if left[j - 1] < SLOW * self.noise_floor[j - 1]
         ]
         beyond = [j for j in self.noise.beyond if j not in coloured]
-        if self.usual_error is not None:
-            far = self.mostly_left > NEVER_NOISE * self.usual_error
+        if self.usually_left is not None:
+            far = self.mostly_left > NEVER_NOISE * self.usually_left
             beyond += [int(j) + 1 for j in np.flatnonzero(far)]
         return self._that_count([*beyond, *self.noise.quick.joints])
 
@@ -179,14 +179,15 @@ class Diagnosis(Displayed):
 
     @property
     def taken_up(self) -> tuple[int, ...]:
-        """Joints (from 1) of which the reference leaves far more of this log than of its own, and
-        no name and no number says why: numbers that it leaves open took it up."""
-        if self.usual_error is None:
+        """Joints (from 1) of which the model of this very arm leaves far more of this log than of
+        its own, and no name and no number says why: numbers that it leaves open took it up."""
+        if self.usually_left is None:
             return ()
-        far = self.identification.error_before.rmse > NEVER_NOISE * self.usual_error
+        far = self.identification.error_before.rmse > NEVER_NOISE * self.usually_left
         said: set[int | None] = {f.effect.joint for f in self.findings}
         said |= {u.joint for u in self.unexplained} | {*self.beyond_noise, *self.not_excited}
-        changed = [n.place.split() for n in self.numbers if n.list == "changed"]
+        told = [n for n in self.numbers if n.list == "changed" or not self.change]
+        changed = [n.place.split() for n in told]
         # a body, or what the whole arm has, is felt on all
         if None in said or any(place[0] != "joint" for place in changed):
             return ()
@@ -221,15 +222,23 @@ class Diagnosis(Displayed):
         return np.minimum(self.noise_floor, self.noise.floor)
 
     @property
+    def usually_left(self) -> Array | None:
+        """What the model of this very arm leaves of any motion, noise with it, (n,) [Nm]; None
+        where the file does not say."""
+        if self.usual_error is not None:
+            return self.usual_error
+        if not self.given.usually_left.any():
+            return None
+        return np.asarray(np.hypot(self.given.usually_left, self.least_floor))
+
+    @property
     def _news(self) -> Mask:
-        """Joints on which more is left than the model of this very arm leaves of any motion, (n,);
-        all where the file is of none."""
+        """Joints on which more is left than usual, (n,); all where that is not known."""
         if self.usual_error is not None:
             return np.asarray(self.identification.error_after.rmse > USUAL * self.usual_error)
-        if self.given.identified is None:
+        if self.usually_left is None:
             return np.ones(self.given.n, dtype=bool)
-        usual = np.hypot(self.given.usually_left, self.least_floor)
-        return np.asarray(self.mostly_left > USUAL * usual)
+        return np.asarray(self.mostly_left > USUAL * self.usually_left)
 
     @property
     def error(self) -> dict[str, Any]:

@@ -38,7 +38,8 @@ def beside_reference(before: float, after: float, **more: Any) -> Any:
         error_after=SimpleNamespace(rmse=np.array([1.0, after])),
     )
     about: dict[str, Any] = {
-        "usual_error": np.ones(2),
+        "change": True,
+        "usually_left": np.ones(2),
         "identification": compared,
         "mostly_left": np.array([1.0, after]),
         "findings": (),
@@ -57,7 +58,7 @@ def test_twice_what_the_reference_leaves_is_never_noise(after: float, joints: tu
     found = beside_reference(3.0, after, noise=noise, noise_floor=np.full(2, 9.0))
     found._that_count = lambda joints: tuple(sorted(set(joints)))
     assert Diagnosis.beyond_noise.fget(found) == joints  # type: ignore[attr-defined]
-    found.usual_error = None
+    found.usually_left = None
     assert Diagnosis.beyond_noise.fget(found) == ()  # type: ignore[attr-defined]
 
 
@@ -70,10 +71,11 @@ def changed(place: str, which: Any = "changed") -> tuple[Number, ...]:
     [
         (2.1, {}, (2,)),
         (1.9, {}, ()),
-        (2.1, {"usual_error": None}, ()),
+        (2.1, {"usually_left": None}, ()),
         (2.1, {"numbers": changed("joint 2")}, ()),
         (2.1, {"numbers": changed("joint 1")}, (2,)),
         (2.1, {"numbers": changed("joint 2", "lacks")}, (2,)),
+        (2.1, {"numbers": changed("joint 2", "special"), "change": False}, ()),
         (2.1, {"numbers": changed("tool")}, ()),
         (2.1, {"findings": (SimpleNamespace(effect=SimpleNamespace(joint=2)),)}, ()),
         (2.1, {"findings": (SimpleNamespace(effect=SimpleNamespace(joint=1)),)}, (2,)),
@@ -104,3 +106,33 @@ def test_nothing_has_changed_is_not_said_of_what_open_numbers_take_up() -> None:
     found.numbers = changed("joint 1")
     found.taken_up = (2,)
     assert "a number of the arm changed" in verdict_sentence(cast(Any, found))
+
+
+def test_nothing_is_missing_is_not_said_of_what_open_numbers_take_up() -> None:
+    """An asymmetry of 718 Nm on axis 2 of a KR300, 3.5 times what its file usually leaves."""
+    about = {"change": False, "log_problem": None, "verdict": "nothing_missing"}
+    found = SimpleNamespace(
+        findings=(), numbers=changed("joint 1", "special"), left_as_usual=(), **about
+    )
+    found.taken_up = (2,)
+    said = verdict_sentence(cast(Any, found))
+    assert said.startswith("No effect is missing, but joint 2 took more torque")
+    found.taken_up = ()
+    assert verdict_sentence(cast(Any, found)) == VERDICTS["nothing_missing"]
+
+
+@pytest.mark.parametrize(
+    ("left", "reference", "usual"),
+    [
+        ((0.0, 0.0), None, None),
+        ((3.0, 0.0), None, [5.0, 4.0]),
+        ((3.0, 0.0), [2.0, 1.0], [2.0, 1.0]),
+    ],
+)
+def test_what_is_usual_is_of_the_reference_or_of_the_file(
+    left: tuple[float], reference: list[float] | None, usual: list[float] | None
+) -> None:
+    given = SimpleNamespace(usually_left=np.array(left))
+    found: Any = SimpleNamespace(given=given, usual_error=reference, least_floor=np.full(2, 4.0))
+    known = Diagnosis.usually_left.fget(found)  # type: ignore[attr-defined]
+    assert (None if known is None else list(known)) == usual

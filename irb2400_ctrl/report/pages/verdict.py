@@ -26,6 +26,10 @@ TAKEN_UP = (
     "No effect has come since the reference, but {joints} took more torque than it leaves "
     "unexplained: numbers that it leaves open explain that, none of them clearly by itself."
 )
+OFF_THE_FILE = (
+    "No effect is missing, but {joints} took more torque than the identification of this arm left "
+    "unexplained: numbers that the file leaves open explain that, none of them clearly by itself."
+)
 FROM_A_FILE = ("has changed since the reference", "is otherwise than the reference file states")
 
 
@@ -38,6 +42,8 @@ def verdict_sentence(diagnosis: Diagnosis) -> str:
     rest = AS_USUAL.format(joints=numbered("joint", usual)) if usual else NOISE
     if nothing and off_bodies(diagnosis.numbers) and not diagnosis.change:
         return f"No law is missing, but inertial numbers of the file are off; {rest}."
+    if nothing and diagnosis.taken_up and not diagnosis.change:
+        return OFF_THE_FILE.format(joints=numbered("joint", diagnosis.taken_up))
     if usual and not diagnosis.change:
         return f"Nothing is missing: {rest}."
     if not diagnosis.change or diagnosis.log_problem is not None:
