@@ -92,6 +92,18 @@ def test_a_log_whose_rows_are_all_there_stays_as_it_is() -> None:
     assert with_rows_counted(slipped)[0] is slipped
 
 
+@pytest.mark.parametrize("scatter", [0.08, 0.1, 0.12])
+def test_long_steps_between_short_ones_are_no_rows_that_are_missing(scatter: float) -> None:
+    """A host that samples unevenly and stamps right what it samples, mostly slow."""
+    rows = 20000
+    draw = np.random.default_rng(7)
+    time = PERIOD * (np.arange(rows) + scatter * draw.standard_normal(rows))
+    along = time - 0.97 * np.sin(time)
+    q = np.column_stack([w * along for w in (1.1, 1.7, 2.3)])
+    scattered = Log(time, q, 40.0 * np.cos(q))
+    assert with_rows_counted(scattered)[1] == ""
+
+
 def test_a_row_that_is_repeated_under_a_time_of_its_own_is_none() -> None:
     """A host that reads once before there is a new sample: the step behind it is of two, and the
     time is right."""

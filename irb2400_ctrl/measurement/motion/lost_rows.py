@@ -3,8 +3,9 @@ times period) passes over both.
 
 Where a row is missing all joints that move take two of their steps at once (k + 1 of k rows),
 where one is written again none. What a step should be is what a cubic says of its two neighbours on
-each side. Only steps well above the digits and the noise of the angles are asked, and only where
-two joints at least move.
+each side, whether samples were even or when they are stamped: where scattered stamps are right, a
+long step beside short ones is no missing row. Only steps well above the digits and the noise of the
+angles are asked, and only where two joints at least move.
 """
 
 from __future__ import annotations
@@ -30,6 +31,8 @@ EVEN = 0.25
 """of a period, by which the clock may step otherwise"""
 AGREE = 0.5
 """of a step, by which the two steps beside it may differ"""
+BY_CLOCK = 1.5
+"""of a step, that are taken at once where the stamps count"""
 FEWEST = 50
 """steps that can be asked"""
 LEAST = 6
@@ -69,9 +72,10 @@ def lost_rows(log: Log) -> LostRows | None:
     if len(log.time) < LEAST:
         return None
     steps = np.diff(log.q, axis=0)
-    even = _even(np.diff(log.time))
+    passed = np.diff(log.time)
+    even = _even(passed)
     here = steps[2:-2]
-    expected = (4.0 * (steps[1:-3] + steps[3:-1]) - steps[:-4] - steps[4:]) / 6.0
+    expected = _between(steps)
     size = np.abs(expected)
     told = size > _least(log.q, np.abs(here - expected))
     told &= np.abs(steps[1:-3] - steps[3:-1]) < AGREE * size
@@ -85,6 +89,7 @@ def lost_rows(log: Log) -> LostRows | None:
     together = np.nanmax(np.abs(ratio - whole[:, None]), axis=1) < CLOSE
     place = np.flatnonzero(asked) + 2
     missing = together & (whole > 1.0)
+    missing &= _at_once(steps, passed, told)[asked] > BY_CLOCK
     # one that is written again is so to the last digit; a motion of few samples may nearly stop
     again = ((here == 0.0) | ~told)[asked].all(axis=1)
     return LostRows(
@@ -130,6 +135,29 @@ def with_rows_counted(log: Log) -> tuple[Log, str]:
         extra={name: np.asarray(column)[kept] for name, column in log.extra.items()},
     )
     return counted, "; ".join(said)
+
+
+def _between(steps: Array) -> Array:
+    """What a cubic says of a step by its two neighbours on each side, (m - 5, n)."""
+    return np.asarray((4.0 * (steps[1:-3] + steps[3:-1]) - steps[:-4] - steps[4:]) / 6.0)
+
+
+def _at_once(steps: Array, passed: Array, told: Mask) -> Array:
+    """Steps that the joints take at once if samples were taken when they are stamped, (m - 5,).
+
+    Args:
+        steps: of the angles, shape (m - 1, n) [rad].
+        passed: by the clock meanwhile, shape (m - 1,) [s].
+        told: steps that tell, shape (m - 5, n).
+    """
+    speed = steps / np.where(passed > 0.0, passed, np.inf)[:, None]
+    expected = _between(speed)
+    told = told & (expected != 0.0)
+    ratio = np.where(told, speed[2:-2] / np.where(told, expected, 1.0), np.nan)
+    found = np.zeros(len(told))
+    some = told.any(axis=1)
+    found[some] = np.nanmedian(ratio[some], axis=1)
+    return found
 
 
 def _even(passed: Array) -> Mask:
