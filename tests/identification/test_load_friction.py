@@ -121,12 +121,15 @@ def test_friction_is_taken_on_where_it_reaches_further(
     monkeypatch.setattr(module, "_gains", lambda extra, trial, now: gains)
     monkeypatch.setattr(module, "_gear_could", lambda extra, trial: could)
     monkeypatch.setattr(Choice, "_reaches_further", lambda self, extra, trial, now: reaches)
+    monkeypatch.setattr(Choice, "_speeds_apart", lambda self, extra: True)
     nothing: Any = None
     beyond: Any = {"power": nothing, "load": nothing}
     choice = Choice(nothing, nothing, beyond, nothing, nothing)
     # only a gear loses no more than so much
     expected = shown or (kind == "power" and gains and reaches)
     assert choice._shown(Extra(kind, 2), nothing, nothing) is expected
+    monkeypatch.setattr(Choice, "_speeds_apart", lambda self, extra: False)
+    assert choice._shown(Extra(kind, 2), nothing, nothing) is (expected and kind == "load")
 
 
 @pytest.mark.parametrize(
