@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, ClassVar, Literal
 
 import casadi as ca
@@ -84,18 +84,30 @@ def turns_of(j: int, ratios: tuple[Any, Any], n: int) -> tuple[Any, ...]:
     return tuple(by.get(k, 0.0) for k in range(n))
 
 
-def along(motion: tuple[Array, Array], turns: tuple[float, ...], j: int) -> Array:
+def jumping(speed: Array, _acceleration: Array) -> Array:
+    """Dry friction of one, as the effect has it: it jumps where a motor turns."""
+    return np.sign(speed)
+
+
+def along(
+    motion: tuple[Array, Array],
+    turns: tuple[float, ...],
+    j: int,
+    dry: Callable[[Array, Array], Array] = jumping,
+) -> Array:
     """`GearedMotor.basis` along a motion, shape (m, n, 3): per unit of I, D and F.
 
     Args:
         motion: qd [rad/s] and qdd [rad/s2], (m, n) each; turns: e; j: its own joint, from 0.
+        dry: of a speed and an acceleration, what dry friction of one is there.
     """
     e = np.array(turns)
     qd, qdd = motion
     found = np.empty((*qd.shape, 3))
     w = qd @ e
-    together = (qdd @ e, w, np.sign(w))
-    alone = (qdd[:, j], qd[:, j], np.sign(qd[:, j]))
+    dw = qdd @ e
+    together = (dw, w, dry(w, dw))
+    alone = (qdd[:, j], qd[:, j], dry(qd[:, j], qdd[:, j]))
     for column, (with_others, of_its_own) in enumerate(zip(together, alone, strict=True)):
         found[:, :, column] = np.outer(with_others, e)
         found[:, j, column] -= of_its_own
