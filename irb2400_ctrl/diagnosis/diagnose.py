@@ -22,7 +22,7 @@ from irb2400_ctrl.diagnosis.estimation.reversals import noisy_reversals_masked, 
 from irb2400_ctrl.diagnosis.findings import findings_of, unexplained_of
 from irb2400_ctrl.diagnosis.load_test import moved_as_by_a_load
 from irb2400_ctrl.diagnosis.log_errors import log_errors
-from irb2400_ctrl.diagnosis.numbers import friction_level, numbers
+from irb2400_ctrl.diagnosis.numbers import friction_is_another, friction_level, numbers
 from irb2400_ctrl.diagnosis.possible_bodies import (
     IMPOSSIBLE,
     turns_impossible,
@@ -42,7 +42,6 @@ from irb2400_ctrl.diagnosis.regressors.bases import Bases
 from irb2400_ctrl.diagnosis.regressors.predict import predicted_torque
 from irb2400_ctrl.diagnosis.sound_logs import SoundLogs, check_beside, sound_logs
 from irb2400_ctrl.diagnosis.unstated_friction import with_friction_first
-from irb2400_ctrl.effects import Effect
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.measurement.joined_log import prepare_together
 from irb2400_ctrl.measurement.log import Log
@@ -246,7 +245,7 @@ def _concluded(
     recalibrated = prior.updated(prior.deviations(_possible(prior, fitter.fit([])).z))
     compared = _compared(motion, given, recalibrated, augmented)
     idle = tuple(int(j) + 1 for j in np.flatnonzero(rms(motion.qd) < LEAST_SPEED))
-    counts = _better_with_numbers(motion, given, effects, compared) if change else motion.n * [True]
+    counts = _friction_counts(motion, given, augmented, compared) if change else motion.n * [True]
     told = numbers(prior, fit, later, change=change, friction_counts=np.array(counts))
     impossible = any(one.name in BODY for one in told) and turns_impossible(given, moved)
     told = (*told, *moved_as_by_a_load(selection.scan, fitter, searched, change))
@@ -296,19 +295,20 @@ def _possible(prior: AnyPrior, fit: Fit) -> Fit:
     return with_possible_bodies(prior, with_friction_first(prior, fit))
 
 
-def _better_with_numbers(
-    motion: PreparedLog, reference: Robot, effects: tuple[Effect, ...], found: Comparison
+def _friction_counts(
+    motion: PreparedLog, reference: Robot, found: Robot, compared: Comparison
 ) -> Mask:
-    """Joints that new numbers explain better than the reference's, sample by sample, the same
-    effects beside both, shape (n,).
+    """Joints whose friction may be told as another: it is, and new numbers explain them better than
+    the reference's, sample by sample, the same effects beside both, shape (n,).
 
     Dry friction, viscous friction and inertia trade with each other in what a filter leaves of the
     turns.
     """
-    same = reference.model_copy(update={"effects": effects})
+    same = reference.model_copy(update={"effects": found.effects})
     tau = predicted_torque(same, motion, _bases(same.bare()))
     kept = errors(motion.tau, tau, motion.known).rmse
-    return np.asarray(found.error_after.rmse < (1.0 - WORTH) * kept)
+    better = compared.error_after.rmse < (1.0 - WORTH) * kept
+    return np.asarray(better & friction_is_another(reference, found, motion))
 
 
 def _compared(motion: PreparedLog, before: Robot, recalibrated: Robot, after: Robot) -> Comparison:

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from irb2400_ctrl.arrays import Array, Mask
+from irb2400_ctrl.arrays import Array, Mask, rms
 from irb2400_ctrl.diagnosis.comparison.acceptance import INFLATION
 from irb2400_ctrl.diagnosis.estimation.fit import Fit
 from irb2400_ctrl.diagnosis.lists import FindingList
@@ -19,6 +19,7 @@ from irb2400_ctrl.diagnosis.preparation.base_prior import (
     named_bodies,
 )
 from irb2400_ctrl.diagnosis.preparation.identified_prior import AnyPrior, IdentifiedPrior
+from irb2400_ctrl.measurement.prepared_log import PreparedLog
 from irb2400_ctrl.robot import Robot
 
 MOVED = 3.5
@@ -122,6 +123,22 @@ def numbers(
             signed = float(np.sign(z[i]) * moved[i])
             found.append(Number(which, place, name, before, now, size, signed))
     return tuple(found)
+
+
+def friction_is_another(before: Robot, after: Robot, motion: PreparedLog) -> Mask:
+    """Joints whose friction may be another, shape (n,): not where its dry part went one way and its
+    viscous part the other, and a motion feels less than a tenth of it.
+
+    A line through friction that bends with speed lies otherwise along every motion.
+
+    Args:
+        before, after: as it was, and as it may be; motion: that feels it.
+    """
+    was = before.friction[:, 1:3]
+    by = after.friction[:, 1:3] - was
+    lines = [part[:, 0] + part[:, 1] * np.abs(motion.qd) for part in (by, was)]
+    change, size = (rms(np.where(motion.known, line, 0.0)) for line in lines)
+    return np.asarray((by[:, 0] * by[:, 1] >= 0.0) | (change >= LEAST_FRICTION * size))
 
 
 def friction_level(prior: AnyPrior, fit: Fit) -> str:

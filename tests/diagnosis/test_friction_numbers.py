@@ -11,7 +11,7 @@ import numpy as np
 from diagnosis.plain_motion import ROBOT, motion
 
 from irb2400_ctrl.arrays import Array
-from irb2400_ctrl.diagnosis.numbers import friction_level, numbers
+from irb2400_ctrl.diagnosis.numbers import friction_is_another, friction_level, numbers
 from irb2400_ctrl.diagnosis.preparation.base_prior import BasePrior
 from irb2400_ctrl.effects import LIBRARY, Effect
 from irb2400_ctrl.robot import Uncertainty
@@ -53,3 +53,25 @@ def test_of_friction_that_bends_the_straight_part_is_no_number_of_its_own() -> N
     assert ("joint 4", "viscous_Nms_rad") in told(less)[0]
     bends = LIBRARY["viscous_power"].of(4, coefficient=4.2, exponent=0.7)
     assert told(less, [bends])[0] == []
+
+
+def test_a_line_that_lies_otherwise_through_the_same_friction_is_none() -> None:
+    """Friction that bends with speed was 14 % less dry and 26 % more viscous on another motion."""
+    speeds = np.linspace(-2.0, 2.0, 401)[:, None] * np.ones(N)
+    known = np.ones(speeds.shape, dtype=bool)
+
+    def another(dry: float, viscous: float, qd: Array = speeds) -> bool:
+        def with_friction(scale: Sequence[float]) -> Any:
+            lines = np.array([1.0, 4.0, 1.5, 0.05]) * [1.0, *scale, 1.0]
+            return SimpleNamespace(friction=np.tile(lines, (N, 1)))
+
+        felt: Any = SimpleNamespace(qd=qd, known=known)
+        found = friction_is_another(with_friction((1, 1)), with_friction((dry, viscous)), felt)
+        assert len(set(found.tolist())) == 1
+        return bool(found[0])
+
+    assert not another(0.86, 1.26)
+    assert another(0.6, 1.26)
+    # one of both, or both the same way, is another friction however little this motion shows
+    assert another(1.0, 1.4, 0.1 * speeds)
+    assert another(1.06, 1.1)
