@@ -121,6 +121,13 @@ def test_a_current_of_an_axis_is_no_angle(
     np.testing.assert_allclose(found.tau, TAU, atol=1e-8)
 
 
+def test_the_unit_that_the_name_of_a_clock_states_is_taken(tmp_path: Path) -> None:
+    """Microseconds of a controller's own clock were seconds: they would be of 1970."""
+    names = {"time_us": 1.718e12 + 1e6 * T, "q_{j}": Q, "torque_{j}": TAU}
+    told = suggested(written(tmp_path / "log.csv", names)).read_text("utf-8")
+    assert 'column = "time_us"\nunit = "us"' in told
+
+
 def test_of_an_effort_the_name_does_not_say_that_it_is_a_torque(tmp_path: Path) -> None:
     """Hobby arms write currents so."""
     names = {"time": T, "q_{j}": Q, "effort_{j}": TAU}

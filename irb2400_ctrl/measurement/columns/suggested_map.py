@@ -32,6 +32,7 @@ from irb2400_ctrl.measurement.columns.column_words import (
 from irb2400_ctrl.measurement.columns.interleaved import interleaved, place_of
 from irb2400_ctrl.measurement.columns.joint_words import FEWEST, worded
 from irb2400_ctrl.measurement.columns.recorder_names import unit_by_step
+from irb2400_ctrl.measurement.columns.signal_names import TIMES
 from irb2400_ctrl.measurement.columns.two_part_time import COUNTED, time_pair
 
 NAMED = "{name}"
@@ -225,7 +226,7 @@ def _time(columns: Mapping[str, Array], rows: int) -> list[str]:
         ]
     for name, values in columns.items():
         if len(values) == rows and _is_clock(name, values):
-            scale = unit_by_step(values)
+            scale = _tick(name, values)
             unit = {1e-3: "ms", 1e-6: "us", 1e-7: "ticks", 1e-9: "ns"}.get(scale, "s")
             rows_alone = len(values) > 1 and bool((np.diff(values) == 1.0).all())
             doubt = (
@@ -239,8 +240,13 @@ def _row(columns: Mapping[str, Array]) -> float:
     """Time from one row to the next [s]; 0 where no column is called as a time is."""
     for name, values in columns.items():
         if len(values) > 1 and _is_clock(name, values):
-            return (unit_by_step(values) or 1.0) * float(np.median(np.diff(values)))
+            return (_tick(name, values) or 1.0) * float(np.median(np.diff(values)))
     return 0.0
+
+
+def _tick(name: str, values: Array) -> float:
+    """[s] that one of a clock is: as its name says (`time_us`), else as its steps look."""
+    return TIMES.get(name.lower().rpartition("_")[2]) or unit_by_step(values)
 
 
 def _is_clock(name: str, values: Array) -> bool:
