@@ -105,3 +105,22 @@ def test_what_does_not_fit_is_refused(tmp_path: Path) -> None:
         save_ros_bag(motion(), list("abcde"), tmp_path / "a.mcap")
     with pytest.raises(InputError, match=r"expected \.mcap"):
         save_ros_bag(motion(), list("abcdef"), tmp_path / "a.db3")
+
+
+def test_the_command_names_the_axes_that_move_beside_the_arm(tmp_path: Path) -> None:
+    """What it wrote had axes of a positioner, which it did not say."""
+    reader = pytest.importorskip("mcap.reader")
+    sent = motion()
+    turned = np.column_stack([0.2 * sent.time, -0.1 * sent.time])
+    beside = irb.Trajectory(sent.time, turned, np.gradient(turned, sent.time, axis=0), 0 * turned)
+    whole = irb.Trajectory(sent.time, sent.q, sent.qd, sent.qdd, sent.tau, external=beside)
+    save_trajectory(whole, tmp_path / "turned.csv")
+    words = ["path", "bag", str(tmp_path / "turned.csv"), "--out", str(tmp_path), "--json"]
+    done = CliRunner().invoke(app, words)
+    assert done.exit_code == 0, done.output
+    with (tmp_path / "trajectory.mcap").open("rb") as file:
+        messages = reader.make_reader(file).iter_messages(topics=["/joint_states"])
+        data = next(message.data for _, _, message in messages)
+    told = json.loads(done.stdout)["joints"]
+    assert told == [*ROBOT.joint_names, "external_1", "external_2"]
+    assert all(name.encode() in data for name in told)

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from irb2400_ctrl.measurement import Log
     from irb2400_ctrl.measurement.stretch import Stretch
 
-WHAT = "a log (CSV, MAT, Parquet or ROS 2 bag)"
+WHAT = "a log (CSV, Excel, LabVIEW, MAT, HDF5, Parquet or ROS 2 bag)"
 
 
 @dataclass(frozen=True)

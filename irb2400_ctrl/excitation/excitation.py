@@ -14,6 +14,7 @@ from irb2400_ctrl.excitation.alternatives import NOISE, SIZE
 from irb2400_ctrl.excitation.feasible import SHARE, Extent
 from irb2400_ctrl.excitation.groups import AmbiguityGroup
 from irb2400_ctrl.excitation.pair_separability import CLEAR, Separability
+from irb2400_ctrl.excitation.room import remark
 from irb2400_ctrl.files import write_atomic, write_json
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.planners.programs.rapid.rapid_options import RapidOptions
@@ -107,6 +108,7 @@ class Excitation:
         text = [
             f"{self.group.name}: {', '.join(self.group.kinds)}; {self.course.duration:.1f} s",
             f"{self.extent.shares()} ({100 * SHARE:.0f} % of the torque may be used)",
+            *remark(self.robot),
             *([assumed] if assumed else []),
             f"{'separation in standard deviations':<58}{'standard':>10}{'planned':>10}",
         ]

@@ -10,7 +10,7 @@ import numpy as np
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.excitation.acceleration import AccelerationLimits
-from irb2400_ctrl.excitation.room import floor_and_column, height_and_radius
+from irb2400_ctrl.excitation.room import floor_and_column, height_and_radius, ranges_kept
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.robot import Robot
 from irb2400_ctrl.trajectory import Trajectory
@@ -57,6 +57,7 @@ class Extent:
             "max_acceleration_ratio": self.acceleration,
             "acceleration_limits_deg_s2": np.degrees(limits.values).tolist(),
             "acceleration_assumed_of_joints": list(limits.assumed),
+            "ranges_kept_deg": ranges_kept(robot),
             "smallest_distance_from_joint_box_deg": float(np.degrees(self.box)),
             "smallest_height_m": self.height,
             "smallest_radius_m": self.radius,
@@ -65,7 +66,7 @@ class Extent:
     def shares(self) -> str:
         """Of the limits that a motor has, and what is left of the ranges, in words."""
         return (
-            f"{np.degrees(self.box):.1f} deg or more inside the joints' ranges; torque at most "
+            f"{np.degrees(self.box):.1f} deg or more inside the ranges used; torque at most "
             f"{100 * self.torque:.0f} % of its limit, speed {100 * self.speed:.0f} %, acceleration "
             f"{100 * self.acceleration:.0f} %"
         )

@@ -19,7 +19,7 @@ from irb2400_ctrl.excitation.excite import check_duration
 from irb2400_ctrl.excitation.feasible import Extent
 from irb2400_ctrl.excitation.friction_runs import FrictionRuns, friction_runs
 from irb2400_ctrl.excitation.motion_design import Budget, Design, standard_course
-from irb2400_ctrl.excitation.room import in_room
+from irb2400_ctrl.excitation.room import in_room, remark
 from irb2400_ctrl.files import write_atomic, write_json
 from irb2400_ctrl.identification.gate import MATTERS, SURE
 from irb2400_ctrl.model import Model
@@ -104,6 +104,7 @@ class IdentificationMotion:
             f"slow runs of {self.runs.course.duration:.0f} s: {len(self.runs.speeds[0])} speeds of "
             f"every joint from {self.runs.speeds[0][0]:.3g} rad/s, both ways (eq. 74, thinned)",
             f"in them {self.runs.extent.shares()}",
+            *remark(self.robot),
             *([assumed] if assumed else []),
             f"record both, then: {self.next_command(robot)}",
         ]

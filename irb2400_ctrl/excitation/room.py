@@ -29,6 +29,8 @@ _WIDTHS = np.radians([50.0, 35.0, 25.0, 15.0])
 """half the range that a joint keeps about a place with room, the widest that is free [rad]"""
 _FREE = 0.95
 """share of the configurations about such a place that are clear"""
+_NARROWED = "narrowed, so that flange and tool keep clear of base plane and axis 1"
+"""source of a range that is a part of the robot file's"""
 _DRAWN = 3000
 _LOOKED_AT = 60
 _AROUND = 80
@@ -104,13 +106,32 @@ def with_room(robot: Robot, narrow: bool = False) -> Robot:
         if max(free) >= _FREE:
             break
     ends = np.degrees([np.maximum(low, centre - wide), np.minimum(high, centre + wide)])
-    joints = [
-        joint.model_copy(
-            update={"limits": joint.limits.model_copy(update={"range_deg": (float(a), float(b))})}
-        )
-        for joint, a, b in zip(robot.joints, *ends, strict=True)
-    ]
+    joints = []
+    for joint, a, b in zip(robot.joints, *ends, strict=True):
+        kept = {"range_deg": (float(a), float(b)), "range_source": _NARROWED}
+        limits = joint.limits.model_copy(update=kept)
+        joints.append(joint.model_copy(update={"limits": limits}))
     return robot.model_copy(update={"joints": tuple(joints)})
+
+
+def ranges_kept(robot: Robot) -> list[tuple[float, float]] | None:
+    """Ends of the ranges [deg] that `with_room` has left of the robot file's; None: all of them."""
+    limits = [joint.limits for joint in robot.joints]
+    if all(each.range_source != _NARROWED for each in limits):
+        return None
+    return [each.range_deg for each in limits]
+
+
+def remark(robot: Robot) -> list[str]:
+    """For the terminal: which part of the ranges a motion keeps; nothing if it is all of them."""
+    kept = ranges_kept(robot)
+    if kept is None:
+        return []
+    parts = ", ".join(f"{low:.0f} … {high:.0f}" for low, high in kept)
+    return [
+        f"only a part of the joints' ranges is used [deg]: {parts}; beyond it flange or tool come "
+        "near the base plane or axis 1 (a file with narrower ranges says where the arm has room)"
+    ]
 
 
 def _clear(model: Model, q: Array) -> Mask:

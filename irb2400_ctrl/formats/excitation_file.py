@@ -52,7 +52,10 @@ class _Extent(Table):
     acceleration_assumed_of_joints: list[int] | None = Field(
         None, description="joints, from 1, of which the robot file states none"
     )
-    smallest_distance_from_joint_box_deg: float
+    ranges_kept_deg: list[tuple[float, float]] | None = Field(
+        None, description="of each joint, where a part of the file's has room; else null"
+    )
+    smallest_distance_from_joint_box_deg: float = Field(description="from the ranges kept")
     smallest_height_m: float = Field(description="of wrist and tip above the floor")
     smallest_radius_m: float = Field(description="of wrist and tip from axis 1")
 

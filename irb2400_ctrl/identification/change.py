@@ -7,6 +7,7 @@ from dataclasses import replace
 
 from irb2400_ctrl.diagnosis import Diagnosis, Number, diagnose
 from irb2400_ctrl.diagnosis.comparison.criteria import Criteria
+from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.identification.identification import Identification
 from irb2400_ctrl.identification.identify import identify
 from irb2400_ctrl.identification.reference_error import (
@@ -52,12 +53,14 @@ def diagnose_change(
         progress: told the name of each stage.
 
     Raises:
-        InputError: a log does not fit the robot, or is not understood.
+        InputError: a log does not fit the robot, is not understood, or is one of the reference's.
     """
     if isinstance(reference, Robot):
         return diagnose(robot, log, validation, reference, progress=progress)
-    progress("identify the reference")
     logs = [reference] if isinstance(reference, Log) else list(reference)
+    for today in [log] if isinstance(log, Log) else log:
+        _check_new(today, logs)
+    progress("identify the reference")
     known = identify(robot, logs)
     progress("diagnose the reference")
     before = diagnose(known.robot, logs)
@@ -79,6 +82,16 @@ def diagnose_change(
         usual_error=unseen,
         before=replace(before, numbers=there),
     )
+
+
+def _check_new(today: Log, reference: Sequence[Log]) -> None:
+    """A log that the reference was learned from shows no change, whatever has happened."""
+    copied = today.copied_from(reference)
+    if copied is not None:
+        raise InputError(
+            f"{today.name}: found the samples of the reference {copied}, expected a log of another "
+            "day: nothing can have changed in it"
+        )
 
 
 def lacking(robot: Robot, known: Identification) -> tuple[Number, ...]:

@@ -92,6 +92,12 @@ class _Cdr:
             self.data += np.asarray(values, dtype="<f8").tobytes()
 
 
+def names_in_bag(motion: Trajectory, names: Sequence[str]) -> list[str]:
+    """Of the arm's joints, and of the external axes behind them."""
+    beside = 0 if motion.external is None else motion.external.q.shape[1]
+    return [*names, *(f"external_{j + 1}" for j in range(beside))]
+
+
 def save_ros_bag(motion: Trajectory, names: Sequence[str], path: Path | str) -> Path:
     """Write a motion as `.mcap`.
 
@@ -110,8 +116,8 @@ def save_ros_bag(motion: Trajectory, names: Sequence[str], path: Path | str) -> 
         raise InputError(f"{path}: found {path.suffix or 'no suffix'}, expected .mcap")
     if len(names) != motion.q.shape[1]:
         raise InputError(f"found {len(names)} joint names for {motion.q.shape[1]} joints")
+    names = names_in_bag(motion, names)
     if motion.external is not None:
-        names = [*names, *(f"external_{j + 1}" for j in range(motion.external.q.shape[1]))]
         motion = motion.together()
     # a log's clock may have run for hours: a controller would wait as long
     motion = replace(motion, time=motion.time - motion.time[0], check_speeds=False)

@@ -82,7 +82,7 @@ def test_what_the_motion_cannot_show_is_said_in_words() -> None:
     the file how near the motion comes to the ends of the joints' ranges."""
     found = planned()
     told = "\n".join(found.lines())
-    assert f"{np.degrees(found.extent.box):.1f} deg or more inside the joints' ranges" in told
+    assert f"{np.degrees(found.extent.box):.1f} deg or more inside the ranges used" in told
     assert "cannot be seen" not in told
     own = found.alone[1].copy()
     own[3] = 0.004

@@ -179,6 +179,13 @@ def test_a_reference_that_is_not_understood_is_refused() -> None:
         diagnose_change(ROBOT, sound, wrong)
 
 
+def test_a_log_of_the_reference_shows_no_change_and_is_refused() -> None:
+    reference = log(1)
+    copy = irb.Log(reference.time, reference.q, reference.tau, q_ref=reference.q_ref, name="today")
+    with pytest.raises(InputError, match=r"^today: found the samples of the reference motion 1"):
+        diagnose_change(ROBOT, [log(2), copy], [log(3), reference])
+
+
 def test_impossible_bodies_of_a_fit_leave_the_identified_ones_where_they_are() -> None:
     """Short logs of an LWA 4P moved masses and moments below nothing: 366 % of axis 2 were left by
     the robot that was written, 28 % by the one before."""

@@ -13,7 +13,9 @@ from irb2400_ctrl.model import Model
 from irb2400_ctrl.planners import ProgramPlan, ToolPath, plan_program, read_program
 from irb2400_ctrl.planners.plan_options import PlanOptions
 from irb2400_ctrl.planners.plan_path import plan_asked
-from irb2400_ctrl.planners.programs.rapid.rapid_of_plan import rapid_of_motion
+from irb2400_ctrl.planners.programs.rapid.rapid_check import check_rapid
+from irb2400_ctrl.planners.programs.rapid.rapid_of_plan import rapid_of_motion, rapid_of_plan
+from irb2400_ctrl.planners.programs.rapid.rapid_options import RapidOptions
 
 ROBOT = load_robot("irb2400")
 # two cuts 3 m apart on one beam along y
@@ -119,6 +121,19 @@ def test_a_module_does_not_go_on_with_the_carriage_elsewhere(found: ProgramPlan)
     assert found.motion is not None
     with pytest.raises(InputError, match="carriage"):
         rapid_of_motion(found.motion)
+
+
+def test_a_module_says_where_the_carriage_stands(found: ProgramPlan) -> None:
+    assert found.motion is not None
+    said = []
+    for plan in found.motion.plans:
+        program = rapid_of_plan(plan, options=RapidOptions(targets_per_module=10))
+        for text in (program.text, *program.parts.values()):
+            head = text.splitlines()[:5]
+            assert "all places are in the" in head[3]
+            assert check_rapid(program.text, *program.parts.values()) == ()
+            said.append(head[3].split(":")[0].split(" at ")[1])
+    assert set(said) == {"0 mm", "3000 mm"}
 
 
 def test_places_beyond_the_rail_are_refused() -> None:

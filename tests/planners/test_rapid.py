@@ -229,6 +229,19 @@ def test_wrist_passage_runs_under_singarea(model: irb.Model) -> None:
     assert "Wrist" not in rapid_program(model, time, q, RapidOptions(motion="joint")).text
 
 
+def test_moves_of_the_joints_need_no_target_beside_the_wrist_singularity(model: irb.Model) -> None:
+    # the arm comes from home, where axis 5 is at zero
+    move = irb.planners.joint_move(model, np.zeros(6), np.radians([20.0, 10.0, 5.0, 30, 40, 20]))
+    assert len(rapid_program(model, move.trajectory, options=RapidOptions(motion="joint")).q) == 2
+    time, q = wrist_passage(model)
+    joints = RapidOptions(motion="joint")
+    never = np.zeros(len(q), dtype=bool)
+    passed = rapid_program(model, time, q, joints).samples
+    np.testing.assert_array_equal(
+        passed, rapid_program(model, time, q, joints, wrist_crossing=never).samples
+    )
+
+
 def test_speeds_times_and_stops(model: irb.Model) -> None:
     time, q = circle(model)
     program = rapid_program(model, time, q, RapidOptions(state_time=True))

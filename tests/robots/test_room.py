@@ -12,7 +12,13 @@ import irb2400_ctrl as irb
 from irb2400_ctrl.errors import InfeasibleError
 from irb2400_ctrl.excitation import excite
 from irb2400_ctrl.excitation.motion_design import Budget
-from irb2400_ctrl.excitation.room import floor_and_column, height_and_radius, in_room, with_room
+from irb2400_ctrl.excitation.room import (
+    floor_and_column,
+    height_and_radius,
+    in_room,
+    ranges_kept,
+    with_room,
+)
 from irb2400_ctrl.robot import Transform
 
 
@@ -47,6 +53,26 @@ def test_the_floor_lies_below_a_low_shoulder() -> None:
 def test_an_arm_stretched_out_in_the_middle_of_its_box_is_narrowed() -> None:
     arm = robot("ur5")
     assert (with_room(arm).q_max < arm.q_max).any()
+
+
+def test_a_part_of_the_ranges_is_said_with_its_ends() -> None:
+    arm = irb.load_robot("ur10e")
+    found = excite(arm, "payload", seconds=10.0, budget=Budget(6, 0, 0))
+    kept = np.array(ranges_kept(found.robot))
+    assert (np.ptp(kept, axis=1) < 180.0).all()
+    (said,) = [line for line in found.lines() if "only a part of the joints' ranges" in line]
+    assert f"{kept[0, 0]:.0f} … {kept[0, 1]:.0f}, {kept[1, 0]:.0f} … {kept[1, 1]:.0f}" in said
+    summary = found.summary()
+    np.testing.assert_array_equal(summary["ranges_kept_deg"], kept)
+    q = np.degrees(found.course.q)
+    nearest = np.minimum(q - kept[:, 0], kept[:, 1] - q).min()
+    assert summary["smallest_distance_from_joint_box_deg"] == pytest.approx(nearest, abs=0.01)
+
+
+def test_nothing_is_said_of_an_arm_that_uses_its_whole_ranges() -> None:
+    found = excite(irb.load_robot("irb2400"), "payload", seconds=10.0, budget=Budget(6, 0, 0))
+    assert not any("only a part" in line for line in found.lines())
+    assert found.summary()["ranges_kept_deg"] is None
 
 
 def test_flange_and_tip_both_count() -> None:

@@ -88,3 +88,19 @@ def test_numbers_of_neighbours_do_not_touch() -> None:
         ["F_c", "Nm", "17.1±0.07", "271±30"],
         ["F_v", "Nms/rad", "13.7±0.007", "7.53±0.06"],
     ]
+
+
+def test_a_log_too_short_to_learn_from_is_not_played(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    time_s = np.arange(0.0, 5.0, 0.004)
+    q = 0.3 * np.sin(time_s)[:, None] * np.ones(6)
+    path = write_log(Log(time_s, q, 10.0 * q), tmp_path / "short.csv")
+
+    def waited(seconds: float) -> None:
+        raise AssertionError(f"waited {seconds} s")
+
+    monkeypatch.setattr("time.sleep", waited)
+    done = irb2400("watch", str(path), "--speed", "1")
+    assert (done.returncode, done.stdout) == (2, "")
+    assert "short.csv: found 5 s, expected more than the 60 s that are learned" in done.stderr

@@ -23,11 +23,12 @@ def bag(trajectory: TrajectoryArgument, out: OutOption, robot: RobotOption = "ir
     output_folder(out)
 
     from irb2400_ctrl.trajectory import load_trajectory
-    from irb2400_ctrl.trajectory.ros_bag import save_ros_bag
+    from irb2400_ctrl.trajectory.ros_bag import names_in_bag, save_ros_bag
 
     arm = load_arm(robot)
     motion = load_trajectory(trajectory, arm.n)
     written = save_ros_bag(motion, arm.joint_names, out / "trajectory.mcap")
-    print(f"{len(motion.time)} points of {', '.join(arm.joint_names)}, {motion.duration:.2f} s")
-    facts = {"points": len(motion.time), "joints": list(arm.joint_names)}
+    names = names_in_bag(motion, arm.joint_names)
+    print(f"{len(motion.time)} points of {', '.join(names)}, {motion.duration:.2f} s")
+    facts = {"points": len(motion.time), "joints": names}
     return wrote({**facts, "duration_s": motion.duration}, [written])

@@ -25,6 +25,7 @@ from irb2400_ctrl.cli.summary import Summary, answers, wrote
 from irb2400_ctrl.cli.watching.lines import drifted, learned, status
 
 if TYPE_CHECKING:
+    from irb2400_ctrl.errors import InputError
     from irb2400_ctrl.measurement import Log
     from irb2400_ctrl.watch import Seen, Suspicion, Watch
 
@@ -122,7 +123,7 @@ def watch(
     elif follow:
         pieces = growing_log(log, columns, arm.joint_names, quiet=quiet)
     else:
-        pieces = _replayed(log, reader, speed)
+        pieces = _replayed(log, reader, speed, learn)
     watched = Watch(arm, learn, 86400.0 * days)
     name = streamed or reader.name(log)
     live = bool(streamed) or follow or speed is not None
@@ -205,8 +206,12 @@ def _told(
         print("stopped")
 
 
-def _replayed(log: Path, reader: Reader, speed: float | None) -> Iterator[Log]:
-    """A finished log piece by piece, at a speed or as fast as it is taken."""
+def _replayed(log: Path, reader: Reader, speed: float | None, learn: float) -> Iterator[Log]:
+    """A finished log piece by piece, at a speed or as fast as it is taken.
+
+    Raises:
+        InputError: it is too short to be learned from; before it is played for minutes.
+    """
     import numpy as np
 
     from irb2400_ctrl.watch.watch import part
@@ -216,6 +221,8 @@ def _replayed(log: Path, reader: Reader, speed: float | None) -> Iterator[Log]:
     length = AT_ONCE if speed is None else 1.0
     begun = time.monotonic()
     time_s = whole.time
+    if time_s[-1] - time_s[0] <= learn:
+        raise _too_short(reader.name(log), float(time_s[-1] - time_s[0]), learn)
     first = 0
     while first < len(time_s):
         # a sample alone, before a gap or at the end, goes with those beside it
@@ -230,16 +237,21 @@ def _replayed(log: Path, reader: Reader, speed: float | None) -> Iterator[Log]:
         yield piece
 
 
-def _ended(watched: Watch, suspicions: list[Suspicion], log: str, out: Path | None) -> Summary:
+def _too_short(log: str, length: float, learn: float) -> InputError:
     from irb2400_ctrl.errors import InputError
+
+    return InputError(
+        f"{log}: found {length:.3g} s, expected more than the {learn:g} s that are learned: a "
+        "longer log, or --learn SECONDS"
+    )
+
+
+def _ended(watched: Watch, suspicions: list[Suspicion], log: str, out: Path | None) -> Summary:
     from irb2400_ctrl.files import write_json
     from irb2400_ctrl.report.pages.watch_page import watch_page
 
     if not watched.seen:
-        raise InputError(
-            f"{log}: found {watched.length:.3g} s, expected more than the {watched.learn:g} s that "
-            "are learned: a longer log, or --learn SECONDS"
-        )
+        raise _too_short(log, watched.length, watched.learn)
     facts = {"log": log, **watched.summary()}
     facts["suspicions"] = [one.to_json() for one in suspicions]
     summary = Summary(facts)

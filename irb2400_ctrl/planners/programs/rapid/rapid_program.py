@@ -254,8 +254,9 @@ def _rows(
     model = models[0]
     time, q, first = with_ends(model, *plan, options)
     ends = (first, len(q) - first - len(plan[1]))
-    crossing = np.pad(flags.crossing, ends)
     joints = np.pad(flags.joints, ends, constant_values=options.motion == "joint")
+    # moves of the joints pass the wrist singularity like any other place
+    crossing = np.pad(flags.crossing, ends) & ~joints
     standing = np.pad(flags.standing, ends)
     # the arm stands where the approach meets the plan, and the plan the retract
     standing[first] |= ends[0] > 0
