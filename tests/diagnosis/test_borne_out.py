@@ -88,3 +88,22 @@ def test_beside_a_swing_the_numbers_as_given_are_no_rival() -> None:
     assert judged(own, [0.0, 5.0, 0.0], over_given=-1.0, beside=swings)
     elsewhere = candidate(spring.model_copy(update={"joint": 3}), ("transmission", 3))
     assert not judged(own, [0.0, 5.0, 0.0], over_given=-1.0, beside=elsewhere)
+
+
+@pytest.mark.parametrize(
+    ("told", "worth", "borne"),
+    # of a true spring, of an arm on the day after its reference, and of one for another spring's
+    [(373.0, 1796.0, True), (-133.0, 1326.0, True), (-297.0, 356.0, False), (-6.0, -1.0, False)],
+)
+def test_a_spring_is_right_sample_by_sample(told: float, worth: float, borne: bool) -> None:
+    """An unchanged arm had a spring in joint 2, with which its error grew by an eighth."""
+    spring = LIBRARY["elastic_joint"].of(2, stiffness_Nm_rad=400.0, damping_ratio=0.05)
+    swings = SimpleNamespace(
+        known=True,
+        everywhere=False,
+        devices=frozenset({("transmission", 2)}),
+        effects=(spring,),
+        joint=2,
+        rattles=False,
+    )
+    assert judged(swings, [0.0, told, 0.0], worth=worth, fit=fitted(spring, 1.0)) == borne

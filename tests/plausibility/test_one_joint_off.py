@@ -49,7 +49,8 @@ def log(joint: int, times: float, duration: float = 25.0) -> Log:
 def test_a_spring_larger_than_all_that_its_joint_has_is_no_other_robot(joint: int) -> None:
     """One of joint 7 was told as the zero of joint 6, 90 degrees off; one of joint 5 as another
     robot."""
-    given = log(joint, 4.0, 14.0)
+    # the springs of joint 3 and of a balancer's dead centre differ where it goes far
+    given = log(joint, 4.0, 25.0 if joint == 3 else 14.0)
     found = understand(ROBOT, given)
     assert found is not None
     assert (np.flatnonzero(found.labelled.left > SOUND_LEFT) == [joint - 1]).all()
