@@ -26,7 +26,8 @@ def named(found: Diagnosis) -> list[tuple[str, int | None]]:
     [
         ("wrist_coupling", 5),
         pytest.param("coulomb_change", 5, marks=pytest.mark.slow),
-        pytest.param("cable_spring", 3, marks=pytest.mark.slow),
+        # on joint 3 a balancer of an odd shape is as probable
+        pytest.param("cable_spring", 4, marks=pytest.mark.slow),
     ],
 )
 def test_what_begins_in_mid_record_has_one_name_and_its_time(kind: str, joint: int) -> None:

@@ -84,10 +84,14 @@ def test_contacts_of_all_joints_that_hold_over_two_milliradians_are_none() -> No
 def test_one_joint_whose_friction_turns_over_later_than_the_others_is_one(angle: float) -> None:
     log = log_of({6: angle})
     assert contacts(prepare(log)) == Contacts(LEAST, frozenset({6}))  # one joint is not the arm
-    (loop,) = (f.effect for f in diagnose(ROBOT, log).findings)
+    (finding,) = diagnose(ROBOT, log).findings
+    loop = finding.effect
+    error = finding.standard_errors["width_rad"]
     assert isinstance(loop, Hysteresis)
+    assert isinstance(error, float)
     assert loop.joint == 6
-    assert loop.width_rad == pytest.approx(angle, rel=0.7)
+    assert error < 0.7 * angle
+    assert loop.width_rad == pytest.approx(angle, abs=max(0.7 * angle, 2.0 * error))
 
 
 @pytest.mark.parametrize("angle", [2e-4, 4e-4, 6e-4])
