@@ -242,7 +242,8 @@ def _concluded(
     augmented = Robot.model_validate({**dict(moved), "effects": effects})
     # what began in the middle of one record is there all through the next
     later = augmented.lasting()
-    recalibrated = prior.updated(prior.deviations(_possible(prior, fitter.fit([])).z))
+    alone = _possible(prior, fitter.as_stated(fitter.fit([])))
+    recalibrated = prior.updated(prior.deviations(alone.z))
     compared = _compared(motion, given, recalibrated, augmented)
     idle = tuple(int(j) + 1 for j in np.flatnonzero(rms(motion.qd) < LEAST_SPEED))
     counts = _friction_counts(motion, given, augmented, compared) if change else motion.n * [True]
