@@ -17,7 +17,7 @@ from independent_plant.parameters import FLANGE_OFFSET
 import irb2400_ctrl as irb
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.diagnosis import Diagnosis
-from irb2400_ctrl.diagnosis.diagnose import _better_with_numbers, _compared
+from irb2400_ctrl.diagnosis.diagnose import _compared, _friction_counts
 from irb2400_ctrl.diagnosis.possible_bodies import with_possible_bodies
 from irb2400_ctrl.diagnosis.preparation.identified_prior import IdentifiedPrior
 from irb2400_ctrl.effects import LIBRARY
@@ -114,7 +114,7 @@ def test_friction_has_changed_only_where_the_log_is_better_explained_with_it() -
     after = robot.model_copy(update={"joints": tuple(joints)})
     usual, stiffer = (prepare(log(2, 0.0, factor)) for factor in (1.0, 1.3))
     told = [
-        _better_with_numbers(motion, robot, robot.effects, _compared(motion, robot, after, after))
+        _friction_counts(motion, robot, after, _compared(motion, robot, after, after))
         for motion in (usual, stiffer)
     ]
     assert told[0].tolist() == [False] * 6
