@@ -92,7 +92,7 @@ def noise_test(
         floor,
         np.array([test.left for test in tests])[worst, joint],
         np.max([test.means for test in tests], axis=0),
-        quick_rests(motion, motion.tau - predicted, floor, effects),
+        quick_rests(motion, predicted, floor, effects),
     )
 
 

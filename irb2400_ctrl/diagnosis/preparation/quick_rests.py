@@ -123,15 +123,17 @@ def _sentence(moments: Moments) -> str:
 
 
 def quick_rests(
-    motion: PreparedLog, left: Array, floor: Array, effects: Sequence[Effect]
+    motion: PreparedLog, predicted: Array, floor: Array, effects: Sequence[Effect]
 ) -> QuickRests:
     """Whatever there is of them.
 
     Args:
-        motion: along which it was left; left: measured minus predicted torque, shape (m, n) [Nm];
+        motion: with the torque that was measured; predicted: along it, shape (m, n) [Nm];
         floor: rms of the noise, shape (n,) [Nm]; effects: that were found.
     """
-    left = np.where(motion.known, left, 0.0)
+    left = np.where(motion.known, motion.tau - predicted, 0.0)
+    # a prediction along smoothed angles lacks every bend of the torque: so does the smoothed one
+    alike = np.where(motion.known, motion.tau_smooth - predicted, 0.0)
     enough = LITTLE * rms(motion.tau)
     vibrations = [
         found
@@ -139,7 +141,7 @@ def quick_rests(
         if (found := _vibration(j, motion, left[:, j], max(LOUD * floor[j], enough[j])))
     ]
     least = np.maximum(MUCH * floor, enough)
-    return QuickRests(tuple(vibrations), _moments(motion, left, floor, least, effects))
+    return QuickRests(tuple(vibrations), _moments(motion, alike, floor, least, effects))
 
 
 def _around_turns(motion: PreparedLog) -> Mask:
