@@ -238,8 +238,7 @@ def _concluded(
     searched = beside_noise(fitter, steps, fit) if bent else fit
     fit = _possible(prior, searched)
     moved = prior.updated(prior.deviations(fit.z))
-    effects = (*moved.effects, *fit.effects)
-    augmented = Robot.model_validate({**dict(moved), "effects": effects})
+    augmented = Robot.model_validate({**dict(moved), "effects": (*moved.effects, *fit.effects)})
     # what began in the middle of one record is there all through the next
     later = augmented.lasting()
     alone = _possible(prior, fitter.as_stated(fitter.fit([])))
