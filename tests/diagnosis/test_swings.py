@@ -23,5 +23,6 @@ def test_a_swing_that_is_more_wrong_sample_by_sample_than_right_below_it_is_none
     assert judged(swings(), [-9e3, 4e3, 0.0], worth=5100.0)
     assert not judged(swings(), [-9e3, 4e3, 0.0], worth=4900.0)
     assert judged(swings(), [0.0, 9.0, 0.0], worth=-8.0)
+    assert not judged(swings(), [0.0, 5.0, 0.0], worth=-8.0)
     # of play nothing else is asked
     assert judged(swings(rattles=True), [-9.0, -9.0, -9.0], worth=-9.0)
