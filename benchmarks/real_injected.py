@@ -231,7 +231,7 @@ def run(
                     "joint": joint,
                     "size": size,
                     "judged": judged(found, kind, joint),
-                    "most_left": float((found.mostly_left / found.usually_left).max()),
+                    "most_left": float((found.mostly_left / found.usual_rmse).max()),
                     "verdict": found.verdict,
                     "names": [
                         (f.effect.kind, f.effect.joint, f.confidence) for f in found.findings

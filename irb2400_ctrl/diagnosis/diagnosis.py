@@ -153,8 +153,8 @@ class Diagnosis(Displayed):
             j for j in self.noise.by_means_alone if left[j - 1] < SLOW * self.noise_floor[j - 1]
         ]
         beyond = [j for j in self.noise.beyond if j not in coloured]
-        if self.usually_left is not None:
-            far = self.mostly_left > NEVER_NOISE * self.usually_left
+        if self.usual_rmse is not None:
+            far = self.mostly_left > NEVER_NOISE * self.usual_rmse
             beyond += [int(j) + 1 for j in np.flatnonzero(far)]
         return self._that_count([*beyond, *self.noise.quick.joints])
 
@@ -181,17 +181,17 @@ class Diagnosis(Displayed):
     def taken_up(self) -> tuple[int, ...]:
         """Joints (from 1) of which the model of this very arm leaves far more of this log than of
         its own, and no name and no number says why: numbers that it leaves open took it up."""
-        if self.usually_left is None:
+        if self.usual_rmse is None:
             return ()
-        far = self.identification.error_before.rmse > NEVER_NOISE * self.usually_left
+        far = self.identification.error_before.rmse > NEVER_NOISE * self.usual_rmse
         said: set[int | None] = {f.effect.joint for f in self.findings}
         said |= {u.joint for u in self.unexplained} | {*self.beyond_noise, *self.not_excited}
         told = [n for n in self.numbers if n.list == "changed" or not self.change]
-        changed = [n.place.split() for n in told]
+        places = [n.place.split() for n in told]
         # a body, or what the whole arm has, is felt on all
-        if None in said or any(place[0] != "joint" for place in changed):
+        if None in said or any(place[0] != "joint" for place in places):
             return ()
-        said |= {int(place[1]) for place in changed}
+        said |= {int(place[1]) for place in places}
         return tuple(int(j) + 1 for j in np.flatnonzero(far) if j + 1 not in said)
 
     @property
@@ -222,7 +222,7 @@ class Diagnosis(Displayed):
         return np.minimum(self.noise_floor, self.noise.floor)
 
     @property
-    def usually_left(self) -> Array | None:
+    def usual_rmse(self) -> Array | None:
         """What the model of this very arm leaves of any motion, noise with it, (n,) [Nm]; None
         where the file does not say."""
         if self.usual_error is not None:
@@ -236,9 +236,9 @@ class Diagnosis(Displayed):
         """Joints on which more is left than usual, (n,); all where that is not known."""
         if self.usual_error is not None:
             return np.asarray(self.identification.error_after.rmse > USUAL * self.usual_error)
-        if self.usually_left is None:
+        if self.usual_rmse is None:
             return np.ones(self.given.n, dtype=bool)
-        return np.asarray(self.mostly_left > USUAL * self.usually_left)
+        return np.asarray(self.mostly_left > USUAL * self.usual_rmse)
 
     @property
     def error(self) -> dict[str, Any]:

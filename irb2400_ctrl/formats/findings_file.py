@@ -168,7 +168,8 @@ class FindingsFile(Table):
     beyond_noise: list[int] = Field(description="joints on which more than noise is left")
     taken_up: list[int] = Field(
         default_factory=list,
-        description="joints that are not as the reference has them, by numbers that it leaves open",
+        description="joints that are not as the reference, or the arm's identified file, has them, "
+        "by numbers that it leaves open",
     )
     error: AllErrorsEntry
     not_excited: list[int] = Field(description="joints that hardly moved: nothing is said of them")

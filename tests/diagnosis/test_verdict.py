@@ -39,7 +39,7 @@ def beside_reference(before: float, after: float, **more: Any) -> Any:
     )
     about: dict[str, Any] = {
         "change": True,
-        "usually_left": np.ones(2),
+        "usual_rmse": np.ones(2),
         "identification": compared,
         "mostly_left": np.array([1.0, after]),
         "findings": (),
@@ -58,7 +58,7 @@ def test_twice_what_the_reference_leaves_is_never_noise(after: float, joints: tu
     found = beside_reference(3.0, after, noise=noise, noise_floor=np.full(2, 9.0))
     found._that_count = lambda joints: tuple(sorted(set(joints)))
     assert Diagnosis.beyond_noise.fget(found) == joints  # type: ignore[attr-defined]
-    found.usually_left = None
+    found.usual_rmse = None
     assert Diagnosis.beyond_noise.fget(found) == ()  # type: ignore[attr-defined]
 
 
@@ -71,7 +71,7 @@ def changed(place: str, which: Any = "changed") -> tuple[Number, ...]:
     [
         (2.1, {}, (2,)),
         (1.9, {}, ()),
-        (2.1, {"usually_left": None}, ()),
+        (2.1, {"usual_rmse": None}, ()),
         (2.1, {"numbers": changed("joint 2")}, ()),
         (2.1, {"numbers": changed("joint 1")}, (2,)),
         (2.1, {"numbers": changed("joint 2", "lacks")}, (2,)),
@@ -134,5 +134,5 @@ def test_what_is_usual_is_of_the_reference_or_of_the_file(
 ) -> None:
     given = SimpleNamespace(usually_left=np.array(left))
     found: Any = SimpleNamespace(given=given, usual_error=reference, least_floor=np.full(2, 4.0))
-    known = Diagnosis.usually_left.fget(found)  # type: ignore[attr-defined]
+    known = Diagnosis.usual_rmse.fget(found)  # type: ignore[attr-defined]
     assert (None if known is None else list(known)) == usual

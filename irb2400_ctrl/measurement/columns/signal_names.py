@@ -87,8 +87,12 @@ MEASURED = {
 
 def time_scale(name: str) -> float | None:
     """Seconds per number of a column called `Time [s]`, `t (ms)`, `time_sec`…; else None."""
-    words, unit = _parts(name)
-    return TIMES.get(unit) if words in TIME_WORDS else None
+    return stated_tick(name) if _parts(name)[0] in TIME_WORDS else None
+
+
+def stated_tick(name: str) -> float | None:
+    """Seconds per number of a column whose name ends in a unit of time (`host_time_us`)."""
+    return TIMES.get(_parts(name)[1])
 
 
 def without_source(names: Iterable[str]) -> dict[str, str]:

@@ -32,7 +32,7 @@ from irb2400_ctrl.measurement.columns.column_words import (
 from irb2400_ctrl.measurement.columns.interleaved import interleaved, place_of
 from irb2400_ctrl.measurement.columns.joint_words import FEWEST, worded
 from irb2400_ctrl.measurement.columns.recorder_names import unit_by_step
-from irb2400_ctrl.measurement.columns.signal_names import TIMES
+from irb2400_ctrl.measurement.columns.signal_names import stated_tick
 from irb2400_ctrl.measurement.columns.two_part_time import COUNTED, time_pair
 
 NAMED = "{name}"
@@ -246,7 +246,7 @@ def _row(columns: Mapping[str, Array]) -> float:
 
 def _tick(name: str, values: Array) -> float:
     """[s] that one of a clock is: as its name says (`time_us`), else as its steps look."""
-    return TIMES.get(name.lower().rpartition("_")[2]) or unit_by_step(values)
+    return stated_tick(name) or unit_by_step(values)
 
 
 def _is_clock(name: str, values: Array) -> bool:

@@ -22,9 +22,11 @@ def module_texts(
     X_BW: Array | None,
     steps: list[Step],
     coupled: bool = False,
+    rail: float | None = None,
 ) -> tuple[str, dict[str, str]]:
     """The module, and the modules that it loads in turn by the names of their files; models and
-    names are those of each tool; `coupled`: the work object moves with the positioner."""
+    names are those of each tool; `coupled`: the work object moves with the positioner; `rail`:
+    where its carriage stands [m]."""
     names = named[0]
     options = names.options
     shared = []
@@ -34,7 +36,7 @@ def module_texts(
     if X_BW is not None:
         unit = options.positioner if coupled else ""
         shared += data.wobjdata(names.work_object, X_BW, unit)
-    head = _head(options.module, models[0].robot)
+    head = _head(options.module, models[0].robot, rail)
     if options.targets_per_module == 0:
         calls, parts = _procedures(steps, options.moves_per_procedure, 0)
         body = ["", *_procedure(options.entry, [*_START, *calls]), *parts]
@@ -47,7 +49,7 @@ def module_texts(
         calls, parts = _procedures(portion, options.moves_per_procedure, count)
         count += len(calls)
         body = ["", *_procedure(f"Stretch{k}", calls), *parts]
-        of_part = _head(name, models[0].robot)
+        of_part = _head(name, models[0].robot, rail)
         files[f"{name}.mod"] = _module(of_part, _local_data(names, portion), body)
         place = [f'"{options.folder}"', f'  \\File:="{name}.mod";']
         loads += [f"Load\\Dynamic,{place[0]}", place[1], f'%"Stretch{k}"%;']
@@ -119,15 +121,21 @@ _LEANING = (
     "  ! The arm hangs or leans: all places are in its base frame, as if that were",
     "  ! the world's; which way gravity pulls, the controller has to know itself.",
 )
+_ON_RAIL = (
+    "  ! The carriage of the rail stands at {:.6g} mm: all places are in the",
+    "  ! base frame there, not in that of a carriage at zero.",
+)
 
 
-def _head(name: str, robot: Robot) -> list[str]:
-    """The first lines; how axis 3 counts is the arm's own, and how it is mounted."""
+def _head(name: str, robot: Robot, rail: float | None) -> list[str]:
+    """The first lines; how axis 3 counts is the arm's own, and how it is mounted. The controller's
+    world is not the base where a track carries the robot."""
     rod = robot.n > 2 and robot.A[2, 1] != 0
     counts = "counts from the vertical (parallel rod)" if rod else "counts from the upper arm"
     return [
         f"MODULE {name}",
         "  ! Written from a plan. Run it slowly and without the work-piece first.",
         f"  ! Base frame = world frame; axis 3 {counts}.",
+        *([] if rail is None else [line.format(1e3 * rail) for line in _ON_RAIL]),
         *([] if np.array_equal(robot.upright, np.eye(3)) else _LEANING),
     ]

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 
 from irb2400_ctrl.arrays import Array
@@ -43,7 +41,7 @@ def rapid_of_plan(
     stands = () if plan.positioner is None else plan.positioner
     if moving is not None and stands:
         raise _one_of_two()
-    program = rapid_program(
+    return rapid_program(
         model,
         plan.trajectory,
         options=options,
@@ -53,8 +51,8 @@ def rapid_of_plan(
         events=events,
         external=stands if moving is None else moving.shown,
         carried=plan.carried,
+        rail=None if moving is not None and moving.lengths else plan.rail,
     )
-    return _on_rail(program, None if moving is not None and moving.lengths else plan.rail)
 
 
 @typed
@@ -103,7 +101,7 @@ def rapid_of_motion(
             stops[first : first + len(turning)] |= turning
         if segment.positioner is not None and moving is None:
             external[first + (first > 0) :] = segment.positioner
-    program = rapid_program(
+    return rapid_program(
         Model(motion.segments[0].piece.robot),
         motion.trajectory,
         options=options,
@@ -115,26 +113,8 @@ def rapid_of_motion(
         external=external if moving is None else moving.shown,
         carried=carried,
         tools=_tools(motion, time),
+        rail=None if carriage else motion.segments[0].rail,
     )
-    return _on_rail(program, None if carriage else motion.segments[0].rail)
-
-
-def _on_rail(program: RapidProgram, rail: float | None) -> RapidProgram:
-    """The module whose head says where the carriage stands [m]: its places are in the base there,
-    which the controller's world is not where a track carries the robot."""
-    if rail is None:
-        return program
-    said = (
-        f"  ! The carriage of the rail stands at {1e3 * rail:.6g} mm: all places are in the\n"
-        "  ! base frame there, not in that of a carriage at zero.\n"
-    )
-
-    def told(text: str) -> str:
-        *head, rest = text.split("\n", 3)
-        return "\n".join([*head, said + rest])
-
-    parts = {name: told(text) for name, text in program.parts.items()}
-    return replace(program, text=told(program.text), parts=parts)
 
 
 def _carried(motion: ProgramMotion) -> ExternalAxes | None:

@@ -89,6 +89,7 @@ def rapid_program(
     events: Sequence[ProgramEvent] = (),
     tools: Sequence[tuple[int, Model]] = (),
     carried: ExternalAxes | None = None,
+    rail: float | None = None,
 ) -> RapidProgram:
     """The module that moves along the plan.
 
@@ -107,6 +108,7 @@ def rapid_program(
         events: what the program asks for besides motion, at times of the plan; the arm stops there.
         tools: rows at which the tool changes, increasing, and the arm with the next one.
         carried: axes that turn the work object, which `X_BW` states at zero, or carry the arm.
+        rail: where its carriage stands all the time [m], which the head of the module says.
 
     Raises:
         InputError: arrays, names, events or an approach that cannot be; says which and why.
@@ -130,7 +132,7 @@ def rapid_program(
     about = (names, said, writer.at_end(), part is not None)
     plate = part is not None and part.turns
     steps = program_steps(rows, samples, configuration, extax, *about)
-    text, parts = module_texts(models, names, _on_plate(X_BW, part), steps, plate)
+    text, parts = module_texts(models, names, _on_plate(X_BW, part), steps, plate, rail)
     at = np.array([step.row for step in steps if step.row is not None])
     return RapidProgram(text, at, rows.q[at], parts, first, tuple(writer.not_written))
 
