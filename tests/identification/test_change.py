@@ -121,6 +121,23 @@ def test_friction_has_changed_only_where_the_log_is_better_explained_with_it() -
     assert told[1].tolist() == [True, False, False, True, False, False]
 
 
+def test_friction_that_lies_otherwise_along_a_motion_has_not_changed() -> None:
+    """Less dry and more viscous, a few hundredths of it along the motion, however well it fits."""
+    robot = known().robot
+    first, *others = robot.joints
+    friction = first.friction
+    bent = {
+        "coulomb_Nm": 0.97 * friction.coulomb_Nm,
+        "static_Nm": 0.97 * friction.static_Nm,
+        "viscous_Nms_rad": 1.03 * friction.viscous_Nms_rad,
+    }
+    joint = first.model_copy(update={"friction": friction.model_copy(update=bent)})
+    after = robot.model_copy(update={"joints": (joint, *others)})
+    fits: Any = SimpleNamespace(error_after=SimpleNamespace(rmse=np.zeros(6)))
+    told = _friction_counts(prepare(log(2)), robot, after, fits)
+    assert told.tolist() == [False] + 5 * [True]
+
+
 def test_the_prior_of_an_identified_arm_is_its_covariance() -> None:
     robot = known().robot
     motion = prepare(log(1))
