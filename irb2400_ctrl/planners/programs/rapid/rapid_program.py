@@ -116,10 +116,8 @@ def rapid_program(
     options = options or RapidOptions()
     time, q = checked(model, motion, q)
     at_events = _rows_of(events, time)
-    standing = row_flags("stops", stops, len(q))
-    standing[list(at_events)] = True
-    joints = row_flags("joint_rows", joint_rows, len(q)) | (options.motion == "joint")
-    flags = _Flags(wrist_rows(q, wrist_crossing), joints, standing, checked_feeds(feeds, len(q)))
+    flags = _Flags.of(q, wrist_crossing, joint_rows, stops, feeds)
+    flags.standing[list(at_events)] = True
     models = [model, *(arm for _, arm in tools)]
     part = _Part.of(carried, external, options, len(q))
     X_BW = np.eye(4) if part is not None and X_BW is None else X_BW
@@ -241,6 +239,27 @@ class _Flags:
     standing: Rows
     feeds: Array
 
+    @classmethod
+    def of(
+        cls,
+        q: Array,
+        crossing: Rows | None,
+        joints: Rows | None,
+        standing: Rows | None,
+        feeds: ArrayLike | None,
+    ) -> _Flags:
+        """As the caller states them, each None for its default.
+
+        Raises:
+            InputError: of another shape or type; says which.
+        """
+        return cls(
+            wrist_rows(q, crossing),
+            row_flags("joint_rows", joints, len(q)),
+            row_flags("stops", standing, len(q)),
+            checked_feeds(feeds, len(q)),
+        )
+
 
 def _rows(
     models: Sequence[Model],
@@ -256,7 +275,7 @@ def _rows(
     model = models[0]
     time, q, first = with_ends(model, *plan, options)
     ends = (first, len(q) - first - len(plan[1]))
-    joints = np.pad(flags.joints, ends, constant_values=options.motion == "joint")
+    joints = np.pad(flags.joints, ends) | (options.motion == "joint")
     # moves of the joints pass the wrist singularity like any other place
     crossing = np.pad(flags.crossing, ends) & ~joints
     standing = np.pad(flags.standing, ends)
