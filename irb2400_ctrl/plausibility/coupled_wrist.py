@@ -46,12 +46,18 @@ def beside_a_coupled_wrist(nominal: Nominal, rows: Rows, best: Fit) -> tuple[Fit
     return found, says
 
 
+def of_other_axes(rows: Rows) -> Array:
+    """Torques per standard deviation of what the axes of the wrist may give each other's motors,
+    (m, n, k) [Nm]; none of an arm without a wrist."""
+    axes = range(FIRST - 1, rows.tau.shape[1])
+    pairs = [(j, k) for j in axes for k in axes if 0 < abs(j - k) <= FURTHEST]
+    none = np.zeros((*rows.tau.shape, 0))
+    return np.concatenate([none, *(_of_the_other(rows, *pair) for pair in pairs)], axis=2)
+
+
 def _fit(nominal: Nominal, rows: Rows) -> Fit:
     """How rows are explained beside such gears."""
-    axes = range(FIRST - 1, nominal.robot.n)
-    pairs = [(j, k) for j in axes for k in axes if 0 < abs(j - k) <= FURTHEST]
-    torques = np.concatenate([_of_the_other(rows, *pair) for pair in pairs], axis=2)
-    return nominal.account(rows, nominal.columns(rows), torques).fit
+    return nominal.account(rows, nominal.columns(rows), of_other_axes(rows)).fit
 
 
 def _of_the_other(rows: Rows, j: int, k: int) -> Array:

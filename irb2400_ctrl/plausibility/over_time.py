@@ -19,6 +19,7 @@ import numpy as np
 
 from irb2400_ctrl.arrays import Array, Integers
 from irb2400_ctrl.plausibility.columns.jumps import MOVES
+from irb2400_ctrl.plausibility.coupled_wrist import of_other_axes
 from irb2400_ctrl.plausibility.evidence import Nominal
 from irb2400_ctrl.plausibility.problem import named
 from irb2400_ctrl.plausibility.rows import Rows
@@ -33,6 +34,11 @@ less is, more is asked in proportion (`benchmarks/corrupted_logs.py over-time` p
 logs come)"""
 FLOOR = 0.01
 """of the joint's torque: what a simulation leaves is no scatter"""
+OR_GEARS = (
+    ", or gears of the wrist by which another axis turns that motor (`irb2400 identify` looks for "
+    "them)"
+)
+"""added where such gears would explain the stretch as well"""
 OWN = 0.1
 """misfit over the torque's size beside which a joint's numbers are fitted"""
 RANK = 1e-6
@@ -87,20 +93,30 @@ def disagreement(nominal: Nominal, rows: Rows) -> str:
     if not told:
         return ""
     worst = max(told, key=lambda found: found.gain)
-    joints = named([found.joint for found in told if found.overlaps(worst)])
+    joints = [found.joint for found in told if found.overlaps(worst)]
+    beside_gears = {found.joint for found in stretches(nominal, rows, geared=True) if found.told}
+    gears = "" if beside_gears.intersection(joints) else OR_GEARS
     return (
-        f"{worst.when} the torque of {joints} does not go with the rest of the log: what leaves "
-        f"{100 * worst.rest:.0f} % of it elsewhere leaves {100 * worst.share:.0f} % "
+        f"{worst.when} the torque of {named(joints)} does not go with the rest of the log: what "
+        f"leaves {100 * worst.rest:.0f} % of it elsewhere leaves {100 * worst.share:.0f} % "
         "there. A load taken up or put down, a contact, a channel that stuck or changed its unit, "
-        "sign or zero? Cut the log there unless you know"
+        f"sign or zero{gears}? Cut the log there unless you know"
     )
 
 
-def stretches(nominal: Nominal, rows: Rows) -> list[Stretch]:
-    """The stretch of each moving joint that goes least with the rest of its torque."""
+def stretches(nominal: Nominal, rows: Rows, geared: bool = False) -> list[Stretch]:
+    """The stretch of each moving joint that goes least with the rest of its torque.
+
+    Args:
+        nominal: the robot as a yardstick; rows: of the log as labelled.
+        geared: whether axes of the wrist may turn each other's motors: friction of one then has
+            the sign of another's motion.
+    """
     free = nominal.with_unknown_rotors()
     own = np.full(rows.tau.shape[1], OWN)
     X, y, weight = free.weighted(rows, free.columns(rows), own)
+    if geared:
+        X = np.concatenate([X, of_other_axes(rows) * weight[:, :, None]], axis=2)
     # at rest dry friction holds anything
     X[rows.still] = 0.0
     y[rows.still] = 0.0

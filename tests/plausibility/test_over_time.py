@@ -48,6 +48,23 @@ def test_a_stretch_that_does_not_go_with_the_rest_is_told(seed: int, change: Cha
     words = said.split()
     found = [float(words[words.index(at) + 1]) for at in ("from", "to")]
     np.testing.assert_allclose(found, [start, stop], atol=one.log.duration / 12.0)
+    assert "gears of the wrist" not in said
+
+
+def test_gears_of_the_wrist_are_told_where_they_would_explain_a_stretch() -> None:
+    """The friction of motor 6, which axis 5 turns, too, while axis 6 creeps for a quarter of it."""
+    one = drawn(SEEDS[0])
+    rows = rows_of(one.log)
+    assert rows is not None
+    late = slice(len(rows.tau) // 2, 3 * len(rows.tau) // 4)
+    qd = rows.qd.copy()
+    qd[:, 4] *= 0.3
+    qd[late, 5] *= 0.05
+    tau = rows.tau.copy()
+    tau[:, 5] += 3.0 * rows.size[5] * np.sign(qd[:, 5] + qd[:, 4])
+    said = disagreement(Nominal(one.robot), replace(rows, qd=qd, turn=np.sign(qd), tau=tau))
+    assert "joint 6 does not go with the rest" in said
+    assert "gears of the wrist" in said
 
 
 def test_what_goes_on_to_the_end_has_one_edge() -> None:

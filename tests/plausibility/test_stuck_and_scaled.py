@@ -177,6 +177,20 @@ def test_a_joint_that_stands_to_the_end_is_remarked_on_where_nothing_says_that_i
         assert examined(None, other).remarkable == ()
 
 
+def test_joints_that_move_in_turn_are_not_remarked_on() -> None:
+    """Runs for friction: each axis moves once, then stands to the end."""
+    whole = waves(60.0)
+    part = np.clip(whole.time[:, None] - [0.0, 20.0, 40.0], 0.0, 20.0)
+    log = replace(whole, q=np.round(0.4 - 0.4 * np.cos(part * np.pi / 10.0), 5), qd=None)
+    alone = replace(log, q_ref=None)
+    assert examined(None, alone).remarkable == ()
+    # of one that stands while two others move an encoder may have stuck
+    q = np.array(alone.q)
+    q[:, 1:] += 0.3 * np.sin(whole.time[:, None] * [0.9, 1.3])
+    (said,) = examined(None, replace(alone, q=q)).remarkable
+    assert said.startswith("joint 1 stands at one value from ")
+
+
 def test_a_speed_that_breaks_off_is_that_of_a_stuck_encoder() -> None:
     """Of a Tiago the angle stood for 55 of 80 s and the drive's speed with it; with coarse angles
     the break of the angle alone is none."""

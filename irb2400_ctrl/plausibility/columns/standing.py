@@ -33,6 +33,8 @@ LONG = 0.3
 """share of the record for which a joint stands at its end that is remarked on, and"""
 LASTS = 10.0
 """[s] at least: of a single move joints that arrive first stand for most of it"""
+IN_TURN = 0.8
+"""share of a record in which at most one joint moves: of joints that take turns the others stand"""
 SPEED_SHARE = 0.2
 """rms speed in the stretch over that elsewhere: less is the offset or the noise of a joint that
 stands"""
@@ -68,7 +70,7 @@ def standing_remarks(log: Log) -> list[str]:
     An encoder that stuck while its joint was slow looks so, too, where the recorded speed is made
     of it.
     """
-    if log.q_ref is not None:
+    if log.q_ref is not None or _in_turn(log):
         return []
     found = []
     for j in np.flatnonzero(np.ptp(log.q, axis=0) > MOVES):
@@ -82,6 +84,13 @@ def standing_remarks(log: Log) -> list[str]:
                 "others move: if it was not to stand, its encoder is stuck"
             )
     return found
+
+
+def _in_turn(log: Log) -> bool:
+    """Whether the joints move one after the other, as in runs for friction."""
+    width = max(5, round(WINDOW * log.rate))
+    room = maximum_filter1d(log.q, width, axis=0) - minimum_filter1d(log.q, width, axis=0)
+    return bool(np.mean((room > MOVES).sum(axis=1) <= 1) > IN_TURN)
 
 
 def _contradicted(log: Log, j: int, run: Run, step: float) -> LogProblem | None:
