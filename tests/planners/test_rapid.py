@@ -21,6 +21,7 @@ from irb2400_ctrl.planners.programs.rapid.rapid_program import (
     rapid_program,
 )
 from irb2400_ctrl.planners.programs.rapid.rapid_reader import read_rapid
+from irb2400_ctrl.planners.programs.rapid.rapid_thinning import IN_AIR
 from irb2400_ctrl.robot.shape import Sphere
 
 Array = npt.NDArray[np.float64]
@@ -310,3 +311,25 @@ def test_several_tools_in_one_module(model: irb.Model) -> None:
     assert max(move.speed_mm_s for move in module.moves) < 400.0
     with pytest.raises(InputError, match="no move of the joints follows"):
         rapid_program(model, times, rows, stops=stops, tools=[(200, other)])
+
+
+def test_joints_that_move_over_the_part_have_few_targets(model: irb.Model) -> None:
+    """A bent way of half a second was 40 MoveAbsJ of 10 ms each."""
+    _, q = circle(model, 201)
+    share = np.linspace(0, 1, 126)[1:, None]
+    bend = np.radians([6.0, -12.0, 5.0, 0.0, 10.0, 0.0])
+    rows = np.concatenate([q, q[-1] + 0.3 * share + share * (1.0 - share) * bend])
+    times = np.arange(len(rows)) * 0.004
+    joints = np.arange(len(rows)) > 200
+    found = rapid_program(model, times, rows, joint_rows=joints)
+    targets = found.samples[found.samples >= 200]
+    assert 3 < len(targets) < 15
+    away = 0.0
+    for first, last in pairwise(targets):
+        between = rows[first : last + 1]
+        move, _ = off_the_move(model, between, model.tcp_pose(between), in_joints=True)
+        away = max(away, 1e3 * move)
+    assert 0.02 < away <= IN_AIR * 0.02 + 1e-6
+    # joints that move all the way are as exact as lines
+    close = rapid_program(model, times, rows, options=RapidOptions(motion="joint"))
+    assert np.sum(close.samples >= 200) > 2 * len(targets)

@@ -13,6 +13,10 @@ from irb2400_ctrl.model import Model
 from irb2400_ctrl.planners.programs.rapid.linear_moves import LinearMoves, shares
 from irb2400_ctrl.planners.programs.rapid.rapid_data import angle_between
 
+IN_AIR = 25.0
+"""times the tolerances within which joints stay that move between linear moves: a bent way over the
+part in steps of a few milliseconds is more than a controller prepares in time"""
+
 
 def rows_to_keep(*changes: npt.NDArray[np.bool_] | Array) -> npt.NDArray[np.bool_]:
     """Rows that stay targets whatever the tolerance: ends, and the last one before what is stated
@@ -45,14 +49,17 @@ def thinned(
         keep: rows that stay in any case, shape (n,), ends included.
         as_joints: whether the way to a row is straight in joint space, else it is so in space with
             the shortest turn, shape (n,); where it changes, a row is kept.
-        tolerance, angle_tolerance: of the TCP and its orientation [m, rad].
+        tolerance, angle_tolerance: of the TCP and its orientation [m, rad]; `IN_AIR` times so much
+            where the joints move although others are linear.
     """
+    wider = 1.0 if as_joints.all() else IN_AIR
     in_joints = _JointMoves.of(model, q, poses[0])
     in_space = LinearMoves.of(poses[1])
 
     def close(first: int, last: int) -> bool:
-        moves = in_joints if as_joints[last] else in_space
-        return moves.close(first, last, tolerance, angle_tolerance)
+        if as_joints[last]:
+            return in_joints.close(first, last, wider * tolerance, wider * angle_tolerance)
+        return in_space.close(first, last, tolerance, angle_tolerance)
 
     forced = np.flatnonzero(keep)
     rows = [0]
