@@ -63,6 +63,8 @@ def comparison(**given: Any) -> Any:
         "leftover": lambda one: None,
         "relieves_base": lambda one: False,
         "with_its_leftover": lambda one: one.evidence,
+        "scan": SimpleNamespace(laws={("time_delay", None): ((), (SimpleNamespace(values=0.0),))}),
+        "gain_beside": lambda one, columns: 100.0,
         "chosen": (),
     }
     return SimpleNamespace(**(usual | given))

@@ -11,6 +11,7 @@ import numpy as np
 from irb2400_ctrl.arrays import Array, Mask, rms
 from irb2400_ctrl.diagnosis.comparison.comparison import Alternative, StepComparison
 from irb2400_ctrl.diagnosis.comparison.own_friction import OwnFriction
+from irb2400_ctrl.diagnosis.comparison.passing import of_the_clock
 from irb2400_ctrl.diagnosis.comparison.step import of_one_moment
 from irb2400_ctrl.diagnosis.estimation.candidate import Candidate
 from irb2400_ctrl.effects import LIBRARY
@@ -121,12 +122,12 @@ class Threshold:
         candidate = alternative.candidate
         if of_one_moment(candidate, comparison.chosen):
             return False
-        size = self._size(candidate)
-        if (size > self.largest).any():
+        if (self._size(candidate) > self.largest).any():
             return False  # a torque that something else must cancel again
         if alternative.rattles:
             return True  # its quick part is most of it, and in no column
-        if not self._shows_moving(comparison, alternative):
+        late = of_the_clock(comparison, candidate, self.criteria.gain)
+        if late or not self._shows_moving(comparison, alternative):
             return False
         matters = self.matters(comparison, alternative)
         if comparison.chosen and matters.any():

@@ -5,11 +5,30 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from irb2400_ctrl.diagnosis.comparison.comparison import StepComparison
 from irb2400_ctrl.diagnosis.comparison.scan import Scan
 from irb2400_ctrl.diagnosis.estimation.candidate import Candidate
 from irb2400_ctrl.diagnosis.estimation.evidence import Problem
 from irb2400_ctrl.effects import LIBRARY
 from irb2400_ctrl.effects.gear_ripple import GearRipple
+
+SKEW = 1e-3
+"""[s] by which torques may be told early or late, all alike, without a word in time stamps"""
+
+
+def of_the_clock(comparison: StepComparison, candidate: Candidate, least: float) -> bool:
+    """Whether a soft transmission says hardly more than that torques are told by a part of a sample
+    early: in a quick motion its lag looks like that.
+
+    Args:
+        comparison: of all candidates.
+        candidate: any.
+        least: that it must gain beside the clock [nats].
+    """
+    if not candidate.devices:
+        return False
+    _, laws = comparison.scan.laws["time_delay", None]
+    return comparison.gain_beside(candidate, SKEW * laws[0].values) < least
 
 
 def slow_ripple(scan: Scan, problem: Problem, joint: int) -> Candidate:
