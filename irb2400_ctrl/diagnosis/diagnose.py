@@ -236,7 +236,7 @@ def _concluded(
     change = selection.change
     bent = of_the_whole_arm(steps, motion.n)
     searched = beside_noise(fitter, steps, fit) if bent else fit
-    fit = _possible(prior, searched)
+    fit = _settled(prior, steps, searched, motion, given)
     moved = prior.updated(prior.deviations(fit.z))
     augmented = Robot.model_validate({**dict(moved), "effects": (*moved.effects, *fit.effects)})
     # what began in the middle of one record is there all through the next
@@ -288,6 +288,23 @@ def _read_off(found: Diagnosis, selection: Selection) -> list[str]:
     wrong = found.worse_at_rest
     rest = [WORSE_AT_REST.format(joints=numbered("joint", wrong))] if wrong else []
     return [*rest, *seldom_met(found, selection.seldom)]
+
+
+def _settled(
+    prior: AnyPrior, steps: Sequence[Step], searched: Fit, motion: PreparedLog, given: Robot
+) -> Fit:
+    """The fit that is told: where nothing was found, with the given numbers if these leave no more
+    of the log. A fit smooths torques, and may bend what it leaves out, as turns."""
+    fit = _possible(prior, searched)
+    if steps:
+        return fit
+    moved = prior.updated(prior.deviations(fit.z))
+    before, after = (
+        errors(motion.tau, predicted_torque(robot, motion, _bases(robot.bare())), motion.known).rmse
+        for robot in (given, moved)
+    )
+    worse = np.prod(after + 1e-12) >= np.prod(before + 1e-12)
+    return replace(fit, z=np.zeros_like(fit.z)) if worse else fit
 
 
 def _possible(prior: AnyPrior, fit: Fit) -> Fit:

@@ -109,6 +109,11 @@ def test_numbers_that_make_their_own_log_worse_are_named() -> None:
     assert line.startswith("Joint 2: on other.csv the error grows from 0.302 to 0.369 Nm rms")
     found.identification = compared((1.0, 1.3), (1.05, 1.35))
     assert worse_here(found) == []
+    # where the given numbers are told, nothing is worse, whatever others would do
+    kept = compared((1.0, 1.3), (1.0, 1.3))
+    kept.error_recalibrated = SimpleNamespace(rmse=np.array([1.0, 1.9]))
+    found.identification = kept
+    assert worse_here(found) == []
 
 
 def test_where_nothing_was_tried_nothing_stands_after() -> None:

@@ -173,6 +173,8 @@ def worse_here(diagnosis: Diagnosis) -> list[str]:
     compared = diagnosis.identification
     before = compared.error_before.rmse
     now = np.maximum(compared.error_recalibrated.rmse, compared.error_after.rmse)
+    if np.array_equal(compared.error_after.rmse, before):
+        return []  # the given numbers are told
     return [
         f"Joint {j + 1}: on {Path(compared.name).name} the error grows from {show(before[j])} to "
         f"{show(now[j])} Nm rms with the fitted numbers. The fit smooths the torques and leaves "
