@@ -13,7 +13,7 @@ from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.identification.constant_runs import Run, runs_of
 from irb2400_ctrl.identification.fitting.baseline import plain_least_squares
 from irb2400_ctrl.identification.fitting.columns import ColumnLayout
-from irb2400_ctrl.identification.fitting.covariance import block_covariance
+from irb2400_ctrl.identification.fitting.covariance import block_covariance, open_between_logs
 from irb2400_ctrl.identification.fitting.fit import fit, left_unseen
 from irb2400_ctrl.identification.fitting.fitted import Fit
 from irb2400_ctrl.identification.fitting.given import given_torque
@@ -147,6 +147,7 @@ def _identified(robot: Robot, seen: Logs, others: Logs, gains: Gains | None) -> 
     found = fit(model, parts)
     covariance = block_covariance(found.sums, found.prior, found.numbers, found.samples)
     covariance += open_by_delay(model, found, parts, late) + open_by_gain(found, gains)
+    covariance += open_between_logs(found, parts)
     fitted, said = identified_robot(kept, found.layout, found.theta)
     _agree(fitted, kept, parts[0], predicted(model, found.layout, parts[0], found.theta))
     moved = [] if guessed else moved_bodies(base, found, covariance)
