@@ -37,6 +37,14 @@ def test_springs_are_told_though_they_swing_the_wrong_way() -> None:
     assert springs(SimpleNamespace(laws={}), problem, 2) == []  # type: ignore[arg-type]
 
 
+def test_an_axis_too_light_for_any_stiffness_of_the_grid_has_no_spring_beside_its_play() -> None:
+    """Play on the last axis of an arm of 200 kg ended in an IndexError."""
+    light: Any = SimpleNamespace(laws={("elastic_joint", 6): ([], [])})
+    light.promising = lambda problem, *asked: Scan.promising(light, problem, *asked)
+    nothing: Any = None
+    assert springs(light, nothing, 6) == []
+
+
 @pytest.mark.parametrize(
     ("law", "beside"),
     [
