@@ -13,7 +13,7 @@ from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.identification.constant_runs import Run, runs_of
 from irb2400_ctrl.identification.fitting.baseline import plain_least_squares
 from irb2400_ctrl.identification.fitting.columns import ColumnLayout
-from irb2400_ctrl.identification.fitting.covariance import block_covariance
+from irb2400_ctrl.identification.fitting.covariance import block_covariance, open_between_logs
 from irb2400_ctrl.identification.fitting.fit import fit, left_unseen
 from irb2400_ctrl.identification.fitting.fitted import Fit
 from irb2400_ctrl.identification.fitting.given import given_torque
@@ -37,7 +37,13 @@ from irb2400_ctrl.identification.gains import (
     without_gains,
 )
 from irb2400_ctrl.identification.gate import verdicts
-from irb2400_ctrl.identification.guessed_bodies import GUESSED, with_guessed_bodies
+from irb2400_ctrl.identification.guessed_bodies import (
+    GUESSED,
+    said_of_inertias,
+    with_guessed_bodies,
+    with_guessed_inertias,
+    without_inertia,
+)
 from irb2400_ctrl.identification.held_out import held_out, slowly_left
 from irb2400_ctrl.identification.identification import Identification, LogResult
 from irb2400_ctrl.identification.identified_robot import fit_base, identified_robot
@@ -137,7 +143,7 @@ def _identified(robot: Robot, seen: Logs, others: Logs, gains: Gains | None) -> 
     sensed = sensed_load(robot, sound.logs)
     # a placeholder says nothing of the friction that is looked for
     guessed = unknown_bodies(robot)
-    whole = with_guessed_bodies(robot, sound.logs)
+    whole = with_guessed_inertias(with_guessed_bodies(robot, sound.logs))
     stated = whole.with_unknown_friction(sound.other_friction)
     base, kept = fit_base(with_load(with_curves(stated, curves), sensed))
     model = Model(base)
@@ -147,9 +153,10 @@ def _identified(robot: Robot, seen: Logs, others: Logs, gains: Gains | None) -> 
     found = fit(model, parts)
     covariance = block_covariance(found.sums, found.prior, found.numbers, found.samples)
     covariance += open_by_delay(model, found, parts, late) + open_by_gain(found, gains)
+    covariance += open_between_logs(found, parts)
     fitted, said = identified_robot(kept, found.layout, found.theta)
     _agree(fitted, kept, parts[0], predicted(model, found.layout, parts[0], found.theta))
-    moved = [] if guessed else moved_bodies(base, found, covariance)
+    moved = [] if guessed else moved_bodies(base, found, covariance, without_inertia(robot))
     told = verdicts(model, found.layout, found.sums, found.numbers.sigma, found.samples)
     results = _judged(model, robot, found, parts, [log_of_runs(log, curves) for log in sound.logs])
     known = _known(found, covariance, results)
@@ -175,7 +182,7 @@ def _identified(robot: Robot, seen: Logs, others: Logs, gains: Gains | None) -> 
             *said_of(sound, beside),
             *against,
             *(one.says() for one in told_late),
-            *([GUESSED.format(why=guessed)] if guessed else []),
+            *([GUESSED.format(why=guessed)] if guessed else said_of_inertias(robot)),
             *notes_of(moved, found, covariance, said),
             *resting(told),
             *_recorded_how(parts, curves, sensed),

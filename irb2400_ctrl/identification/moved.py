@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import dataclass
 
 import numpy as np
@@ -81,7 +82,9 @@ class Moved:
         return self.could_be and (self.far or abs(self.shown[1]) > ALARM)
 
 
-def moved_bodies(robot: Robot, fit: Fit, covariance: Array) -> list[Moved]:
+def moved_bodies(
+    robot: Robot, fit: Fit, covariance: Array, guessed: Collection[str] = ()
+) -> list[Moved]:
     """Every link, tool folded in on both sides.
 
     A file whose bodies cannot exist is first moved to the nearest ones that can, in its own
@@ -89,6 +92,7 @@ def moved_bodies(robot: Robot, fit: Fit, covariance: Array) -> list[Moved]:
 
     Args:
         robot: the file; fit: its numbers; covariance: of those, shape (p, p).
+        guessed: names of links whose inertia is not the file's, which cannot be far from it.
     """
     found = []
     theta = fit.theta
@@ -99,6 +103,8 @@ def moved_bodies(robot: Robot, fit: Fit, covariance: Array) -> list[Moved]:
         after = body_numbers(Body.of_parameters(theta[own]))
         body = Body.of_parameters(np.array([max(before[0], 1e-9), *before[1:]]))
         spread = np.maximum(body_spread(robot.uncertainty, body, robot.links[link].name), LEAST)
+        if robot.links[link].name in guessed:
+            spread[4:] = np.inf
         change = after - body_numbers(body)
         file = pseudo_inertias(robot.inertial_parameters[link : link + 1])[0]
         could_be = bool(np.linalg.eigvalsh(file)[0] > -ROUNDING * abs(np.trace(file)))

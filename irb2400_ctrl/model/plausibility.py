@@ -240,6 +240,12 @@ def _weighs(body: Body) -> bool:
     return body.mass_kg > 0.0 or bool(np.any(body.inertia_kgm2))
 
 
+def is_a_point(body: Body) -> bool:
+    """Whether a body has less inertia than any of its mass: mostly none is stated."""
+    inertia = float(np.abs(body.inertia_kgm2).max())
+    return body.mass_kg > LIGHT_KG and inertia < LEAST_GYRATION_M**2 * body.mass_kg
+
+
 def _body(name: str, body: Body, most: float) -> list[str]:
     """Notes on one body; `most`: radius of gyration squared that it may have [m2]."""
     notes = []
@@ -253,7 +259,7 @@ def _body(name: str, body: Body, most: float) -> list[str]:
         notes.append(f"{name}: the centre of mass is {distance:.3g} m away; it looks like mm")
     if body.mass_kg > HEAVIEST_KG:
         notes.append(f"{name}: a mass of {body.mass_kg:.4g} kg; it looks like grams")
-    if body.mass_kg > LIGHT_KG and inertia < LEAST_GYRATION_M**2 * body.mass_kg:
+    if is_a_point(body):
         notes.append(
             f"{name}: inertia {inertia:.4g} kg m2 is too little for {body.mass_kg:.4g} kg, which "
             "would be a point; it looks like another unit, or is left out"

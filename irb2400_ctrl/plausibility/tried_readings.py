@@ -10,7 +10,12 @@ import numpy as np
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.measurement.log import Log
-from irb2400_ctrl.plausibility.criteria import at_others_cost, clearly_better, sound
+from irb2400_ctrl.plausibility.criteria import (
+    at_others_cost,
+    clearly_better,
+    leaves_half,
+    sound,
+)
 from irb2400_ctrl.plausibility.evidence import MISFITS, Fit, Nominal
 from irb2400_ctrl.plausibility.reading import (
     Reading,
@@ -116,7 +121,8 @@ class TriedReadings:
         if gain < SHARP_GAIN * robot.n / 6.0:
             return None
         found = self.fit(best)
-        return None if at_others_cost(best, found, labelled) else (best, found)
+        told = leaves_half(found, labelled) and not at_others_cost(best, found, labelled)
+        return (best, found) if told else None
 
     def sharp_cost(self, reading: Reading, misfits: tuple[float, ...] = MISFITS) -> float:
         """Cost of a reading with the misfit that it supports; infinite where nothing is left."""

@@ -69,6 +69,14 @@ def test_a_spring_that_the_clock_says_is_not_accepted() -> None:
     assert not accepts(swing, gain_beside=lambda one, columns: 21.9)
 
 
+def test_an_axis_too_light_for_any_stiffness_of_the_grid_has_no_spring_beside_its_play() -> None:
+    """Play on the last axis of an arm of 200 kg ended in an IndexError."""
+    light: Any = SimpleNamespace(laws={("elastic_joint", 6): ([], [])})
+    light.promising = lambda problem, *asked: Scan.promising(light, problem, *asked)
+    nothing: Any = None
+    assert springs(light, nothing, 6) == []
+
+
 @pytest.mark.parametrize(
     ("law", "beside"),
     [

@@ -51,9 +51,9 @@ def springs(scan: Scan, problem: Problem, joint: int) -> list[Candidate]:
         joint: counted from 1.
     """
     family = ("elastic_joint", joint)
-    if family not in scan.laws:
+    grid, laws = scan.laws.get(family, ([], []))
+    if not laws:  # no stiffness of the grid swings as records show: a light axis
         return []
-    grid, laws = scan.laws[family]
     places = scan.promising(problem, *family, laws)
     return [_member(scan, problem, family, grid[place]) for place in places]
 

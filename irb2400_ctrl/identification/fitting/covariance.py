@@ -2,12 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.identification.fitting.estimate import DOUBT, Estimate, scaled_inverse
-from irb2400_ctrl.identification.fitting.moments import Moments
+from irb2400_ctrl.identification.fitting.fitted import Fit
+from irb2400_ctrl.identification.fitting.moments import Moments, Recording
 from irb2400_ctrl.identification.fitting.prior import Prior
+
+USUAL_DAYS = 0.3
+"""of its size, by which the friction of one log is another: what a log hardly tells is not far"""
 
 
 def block_covariance(sums: Moments, prior: Prior, numbers: Estimate, correlation: Array) -> Array:
@@ -38,3 +44,36 @@ def block_covariance(sums: Moments, prior: Prior, numbers: Estimate, correlation
     pairs = zip(inverses, precisions, strict=True)
     each = [inverse @ (mixed + precision) @ inverse for inverse, precision in pairs]
     return np.asarray(np.mean(each, axis=0))
+
+
+def open_between_logs(found: Fit, parts: Sequence[Recording]) -> Array:
+    """What the friction of a joint scatters by from log to log, beyond noise, as a covariance,
+    shape (p, p): how surely that of another day is known. Blocks of one log are of one day.
+
+    d_k = (H_k + P)^-1 (g_k - H_k theta) of Coulomb and viscous friction of a joint in log k, N_k
+    its covariance by noise, P what friction usually does:  sum d_k d_k^T / (K - 1) - mean N_k.
+    """
+    open_still = np.zeros((found.layout.count,) * 2)
+    if len(parts) < 2:
+        return open_still
+    logs = [found.sums.taken(np.unique(part.block)).summed() for part in parts]
+    own = np.arange(found.layout.count)
+    terms = (own[found.layout.drive(term)] for term in ("coulomb", "viscous"))
+    noise = found.numbers.sigma**2 * found.samples
+    for j, place in enumerate(zip(*terms, strict=True)):
+        pair = np.array(place)
+        usual = USUAL_DAYS * np.maximum(found.theta[pair], 1e-9)
+        differ = []
+        by_noise = []
+        for log in (log for log in logs if log.count[0, j] > 0):
+            H = log.H[0, j][np.ix_(pair, pair)]
+            inverse = np.linalg.inv(H / noise[j] + np.diag(usual**-2.0))
+            differ.append(inverse @ (log.g[0, j] - log.H[0, j] @ found.theta)[pair] / noise[j])
+            by_noise.append(inverse @ H @ inverse / noise[j])
+        if len(differ) < 2:
+            continue
+        scatter = np.transpose(differ) @ differ / (len(differ) - 1) - np.mean(by_noise, axis=0)
+        values, vectors = np.linalg.eigh(scatter / np.outer(usual, usual))
+        beyond = (vectors * np.maximum(values, 0.0)) @ vectors.T
+        open_still[np.ix_(pair, pair)] = beyond * np.outer(usual, usual)
+    return open_still

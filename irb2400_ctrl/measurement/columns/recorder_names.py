@@ -29,6 +29,7 @@ from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.measurement.columns.joint_order import joint_in, places
 from irb2400_ctrl.measurement.columns.signal_names import TIME_WORDS, time_scale
+from irb2400_ctrl.measurement.columns.two_part_time import filled_in
 from irb2400_ctrl.measurement.table import Table
 
 Named = tuple[tuple[str, float], dict[str, dict[int, str]]]
@@ -57,6 +58,8 @@ _NAMES = re.compile(r"(.*[/.])?name")
 _TIMES = {"%time": 1e-9, "time_ns": 1e-9, "time_us": 1e-6, "time_ms": 1e-3, "time_s": 1.0}
 _BARE_TIMES = ("timestamp", "__time", "time", "duration")
 """before other words for a time"""
+_STAMP = "field.header.stamp"
+"""when the message was sampled, beside `%time`, when it was got"""
 SLOWEST = 0.1
 """between two samples [s]"""
 _SINCE_1970 = ((1e18, 1e-9), (1e17, 1e-7), (1e14, 1e-6), (1e11, 1e-3))
@@ -73,6 +76,8 @@ def recorder_columns(table: Table, joints: Sequence[str] | None) -> Named | None
     stated = {name: scale for name in table.columns if (scale := time_scale(name)) is not None}
     known = {name: scale for name, scale in _TIMES.items() if name in table.columns} or stated
     time = next(iter(known), _bare_time(table))
+    if _STAMP in table.columns and filled_in(table.columns[_STAMP]):
+        time = _STAMP
     if time is None:
         return None
     for reader in (_rtde, _franka, _by_joint, _echoed):

@@ -10,6 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.measurement.table import Table
 
@@ -20,6 +21,8 @@ _BEYOND = {
     10**3: ("millisec", "msec", "msecs", "millisecs", "milliseconds"),
 }
 """counts a second -> words for them"""
+MOSTLY = 0.5
+"""share of the rows whose stamp is later than the one before, of a stamp that is filled in"""
 COUNTED = {10**9: "nanoseconds", 10**6: "microseconds", 10**3: "milliseconds"}
 
 
@@ -63,6 +66,20 @@ def time_pair(names: Iterable[str]) -> TimePair | None:
     stamps = [pair for pair in pairs if "stamp" in pair.seconds.lower()]
     chosen = stamps if len(stamps) == 1 else pairs
     return chosen[0] if len(chosen) == 1 else None
+
+
+def stamped(table: Table) -> bool:
+    """Whether messages carry the stamp of when they were sampled, as two columns that are filled
+    in: what stands beside it is when a recorder got them."""
+    pair = time_pair(table.columns)
+    if pair is None or "stamp" not in pair.seconds.lower():
+        return False
+    return filled_in(table.columns[pair.seconds] + table.columns[pair.beyond] / pair.counts)
+
+
+def filled_in(stamps: Array) -> bool:
+    """Whether a driver has filled in the stamps of its messages: many leave them at zero."""
+    return len(stamps) > 1 and bool(np.mean(np.diff(stamps) > 0.0) > MOSTLY)
 
 
 def joined(table: Table, pair: TimePair, into: str) -> Table:

@@ -30,7 +30,11 @@ from irb2400_ctrl.measurement.columns.signal_names import (
     without_unit,
 )
 from irb2400_ctrl.measurement.columns.suggested_map import suggested_map
-from irb2400_ctrl.measurement.columns.two_part_time import joined_time, time_pair
+from irb2400_ctrl.measurement.columns.two_part_time import (
+    joined_time,
+    stamped,
+    time_pair,
+)
 from irb2400_ctrl.measurement.table import Table, said_of_copies, said_of_joint_rows
 from irb2400_ctrl.reading import looks_like
 
@@ -86,7 +90,8 @@ def understood(
             raise InputError(f"{table.headless}{guessed_places(table.columns, names)}")
         given_columns = table.columns
         try:
-            if not has_time(table):
+            stated = any(name in NAMED_TIMES for name in table.columns)
+            if not has_time(table) or (stamped(table) and not stated):
                 table = joined_time(table)
             time, found, scales = _by_name(table, names)
             n = _joints(table, found, joints)
