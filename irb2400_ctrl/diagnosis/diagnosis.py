@@ -35,6 +35,8 @@ which it is as strong there: noise with a colour (1.07 at most on three sound ar
 sensors have it, 1.6 and more where a law was missing)"""
 USUAL = 1.3
 """times what a reference leaves on stretches that its model had not seen"""
+HALF = 0.5
+"""of an error, below which what numbers that a reference leaves open leave of it is their doing"""
 NEVER_NOISE = 2.0
 """times that, beyond which nothing left is noise, whatever the angles' noise may explain: parts of
 four real arms against others of the same leave 1.56 at most (`benchmarks/real_injected.py` without
@@ -180,10 +182,13 @@ class Diagnosis(Displayed):
     @property
     def taken_up(self) -> tuple[int, ...]:
         """Joints (from 1) of which the model of this very arm leaves far more of this log than of
-        its own, and no name and no number says why: numbers that it leaves open took it up."""
+        its own, or more than twice what numbers that it leaves open make of it, and no name and no
+        number says why: such numbers took it up."""
         if self.usual_rmse is None:
             return ()
-        far = self.identification.error_before.rmse > NEVER_NOISE * self.usual_rmse
+        before = self.identification.error_before.rmse
+        halved = self.identification.error_after.rmse < HALF * before
+        far = before > np.where(halved, USUAL, NEVER_NOISE) * self.usual_rmse
         said: set[int | None] = {f.effect.joint for f in self.findings}
         said |= {u.joint for u in self.unexplained} | {*self.beyond_noise, *self.not_excited}
         told = [n for n in self.numbers if n.list == "changed" or not self.change]
@@ -230,6 +235,13 @@ class Diagnosis(Displayed):
         if not self.given.usually_left.any():
             return None
         return np.asarray(np.hypot(self.given.usually_left, self.least_floor))
+
+    @property
+    def blunt(self) -> bool:
+        """Whether the model of this very arm usually leaves so much more than noise of some joint
+        that a change may hide in it."""
+        usual = self.usual_rmse
+        return usual is not None and bool((usual > NEVER_NOISE * self.least_floor).any())
 
     @property
     def _news(self) -> Mask:

@@ -16,6 +16,7 @@ def test_what_an_identification_left_as_well_is_not_called_noise() -> None:
     """1.05 Nm of 1.70 stood under "what is left is noise", of a floor of 0.36."""
     about = {"change": False, "log_problem": None, "verdict": "nothing_missing"}
     found = SimpleNamespace(findings=(), numbers=(), left_as_usual=(5,), taken_up=(), **about)
+    found.blunt = False
     said = verdict_sentence(cast(Any, found))
     left_too = "on joint 5 more than noise is left, as the identification of this arm left as well."
     assert said == f"Nothing is missing: {left_too}"
@@ -71,6 +72,9 @@ def changed(place: str, which: Any = "changed") -> tuple[Number, ...]:
     [
         (2.1, {}, (2,)),
         (1.9, {}, ()),
+        (1.9, {"after": 0.9}, (2,)),
+        (1.9, {"after": 0.96}, ()),
+        (1.2, {"after": 0.1}, ()),
         (2.1, {"usual_rmse": None}, ()),
         (2.1, {"numbers": changed("joint 2")}, ()),
         (2.1, {"numbers": changed("joint 1")}, (2,)),
@@ -90,19 +94,36 @@ def test_what_open_numbers_take_up_is_said(
 ) -> None:
     """A loop of hysteresis that doubled the error of a joint went into its friction, and "nothing
     has changed: what is left is noise" was said."""
-    found = beside_reference(before, 1.0, **more)
+    found = beside_reference(before, more.pop("after", 1.0), **more)
     assert Diagnosis.taken_up.fget(found) == joints  # type: ignore[attr-defined]
+
+
+@pytest.mark.parametrize(
+    ("usual", "blunt"), [(None, False), ([8.0, 7.9], False), ([7.0, 8.1], True)]
+)
+def test_a_reference_that_leaves_twice_the_noise_is_blunt(
+    usual: list[float] | None, blunt: bool
+) -> None:
+    known = None if usual is None else np.array(usual)
+    found: Any = SimpleNamespace(usual_rmse=known, least_floor=np.full(2, 4.0))
+    assert Diagnosis.blunt.fget(found) == blunt  # type: ignore[attr-defined]
 
 
 def test_nothing_has_changed_is_not_said_of_what_open_numbers_take_up() -> None:
     about = {"change": True, "log_problem": None, "verdict": "nothing_missing"}
     found = SimpleNamespace(
-        findings=(), numbers=(), left_as_usual=(), before=1, taken_up=(2, 4), **about
+        findings=(), numbers=(), left_as_usual=(), before=1, taken_up=(2, 4), blunt=False, **about
     )
     said = verdict_sentence(cast(Any, found))
     assert said.startswith("No effect has come since the reference, but joints 2 and 4 took more")
     found.taken_up = ()
-    assert "Nothing has changed since the reference" in verdict_sentence(cast(Any, found))
+    assert "Nothing has changed since the reference: " in verdict_sentence(cast(Any, found))
+    found.blunt = True
+    found.usual_rmse = np.array([139.2, 15.41])
+    assert verdict_sentence(cast(Any, found)) == (
+        "Nothing has changed since the reference that is more than it leaves itself (139, 15.4 Nm, "
+        "joints 1 to 2): what is left is noise."
+    )
     found.numbers = changed("joint 1")
     found.taken_up = (2,)
     assert "a number of the arm changed" in verdict_sentence(cast(Any, found))

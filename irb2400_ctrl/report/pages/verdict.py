@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from irb2400_ctrl.diagnosis import Diagnosis
 from irb2400_ctrl.diagnosis.numbers import off_bodies
-from irb2400_ctrl.wording import numbered
+from irb2400_ctrl.wording import numbered, up_to
 
 VERDICTS = {
     "explained": "The log shows something the model lacks, and it has a name.",
@@ -30,6 +30,7 @@ OFF_THE_FILE = (
     "No effect is missing, but {joints} took more torque than the identification of this arm left "
     "unexplained: numbers that the file leaves open explain that, none of them clearly by itself."
 )
+LEAST_SEEN = "since the reference that is more than it leaves itself ({values} Nm, {joints})"
 FROM_A_FILE = ("has changed since the reference", "is otherwise than the reference file states")
 
 
@@ -59,4 +60,9 @@ def verdict_sentence(diagnosis: Diagnosis) -> str:
         return f"No new effect since the reference, but {said} of the arm changed."
     if not nothing and diagnosis.before is None:
         return CHANGES[diagnosis.verdict].replace(*FROM_A_FILE)
-    return CHANGES[diagnosis.verdict].replace(NOISE, rest)
+    said = CHANGES[diagnosis.verdict].replace(NOISE, rest)
+    if nothing and diagnosis.blunt and (left := diagnosis.usual_rmse) is not None:
+        values = ", ".join(f"{value:.3g}" for value in left)
+        least = LEAST_SEEN.format(values=values, joints=up_to("joint", len(left)))
+        return said.replace("since the reference", least)
+    return said
