@@ -97,6 +97,7 @@ def read_dh(path: Path, convention: str | None) -> Tree:
             f"--convention{looks_like(''.join(table[:1]).split(','), '')}"
         )
     rows = _rows(path, table, separator)
+    _from_the_base(rows)
     links: dict[str, Mass | None] = {"base": None}
     joints = []
     weighs = any(row.get(name) is not None for row in rows for name in _MASS_DATA)
@@ -125,6 +126,21 @@ def read_dh(path: Path, convention: str | None) -> Tree:
     joints.append(TreeJoint("tool", "fixed", parent, "tool0", before, np.zeros(3)))
     source = f"imported from {path.name} ({convention} DH)"
     return Tree(path.stem, source, links, tuple(joints))
+
+
+def _from_the_base(rows: list[_Row]) -> None:
+    """Refuse rows whose names count otherwise: their order is that of the axes."""
+    names = [(row.cells.get("name") or "").strip() for row in rows]
+    counted = [re.fullmatch(r"(.*?[^\W\d].*?)(\d+)", name) for name in names if name != "flange"]
+    numbers = [int(match[2]) for match in counted if match]
+    if len(numbers) < len(counted) or len({match[1] for match in counted if match}) > 1:
+        return
+    for row, before, number in zip(rows[1:], numbers, numbers[1:], strict=False):
+        if number < before:
+            raise InputError(
+                f"{row.where}: found axis {number} below axis {before}, by their names; expected "
+                "the rows in the order of the axes, that next to the base first"
+            )
 
 
 def _moves_nothing(row: _Row) -> None:

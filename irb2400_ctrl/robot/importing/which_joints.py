@@ -14,6 +14,8 @@ TIPS = (
     *("tcp", "tool0", "tool_0", "ee_link", "flange", "link_ee", "tool_link", "ee"),
     *("tcp_link", "tcp_frame", "tool_frame", "flange_link", "eef", "link_eef"),
     *("end_effector_link", "end_effector", "endeffector"),
+    *("attachment_site", "tcp_site", "tool_site", "flange_site", "ee_site", "eef_site"),
+    *("end_effector_site", "pinch_site", "attachment"),
 )
 """names that tools give to the end of an arm, as their last words, most telling first"""
 GRIPPER = re.compile(
@@ -45,7 +47,7 @@ def end_of_arm(tree: Tree, base: str) -> str:
         turns = sum(map(_turns, path))
         rank = _rank(link)
         path = stood_still(path, [])
-        arm = turns > 0 and not any(map(_grips, path))
+        arm = turns > 0 and not any(map(_grips, path)) and bool(rank or not _pinches(tree, path))
         sliding = next((j for j in path if j.kind not in TURNING | {"fixed"}), None)
         if not rank and sliding is not None:
             slid.append((turns * arm, sliding.name, sliding.child))
@@ -151,6 +153,13 @@ def _grips(joint: TreeJoint) -> bool:
     """Whether a joint opens a gripper, by its name or that of what it moves."""
     named = GRIPPER.search(joint.name) or FINGER.search(joint.child)
     return joint.kind in TURNING and named is not None
+
+
+def _pinches(tree: Tree, path: list[TreeJoint]) -> bool:
+    """Whether the last joint that turns moves one of two fingers: the other one, beside it on the
+    same link, follows it. A rod of a parallelogram does so too, and more joints turn behind it."""
+    last = [joint for joint in path if joint.kind in TURNING][-1:]
+    return any(other.mimics == one.name for one in last for other in tree.hanging_on(one.parent))
 
 
 def _weight(tree: Tree, link: str) -> float:
