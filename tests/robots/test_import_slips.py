@@ -129,6 +129,23 @@ def test_rows_that_begin_at_the_tool_are_refused(tmp_path: Path) -> None:
             read(tmp_path, table("mm", names=names), "csv")
 
 
+@pytest.mark.parametrize("site", ["pinch", "other"])
+def test_a_linkage_of_two_jaws_is_none_of_the_arm(tmp_path: Path, site: str) -> None:
+    """Spring link and follower of a gripper for MuJoCo were two more axes."""
+    mass = '<inertial pos="0 0 0" mass="0.02" diaginertia="1e-5 1e-5 1e-5"/>'
+    linkage = "".join(
+        f'<body name="{side}_driver"><joint name="{side}_driver_joint"/>{mass}</body>'
+        f'<body name="{side}_spring_link"><joint name="{side}_spring_link_joint"/>{mass}'
+        f'<body name="{side}_follower"><joint name="{side}_follower_joint"/>{mass}</body></body>'
+        for side in ("left", "right")
+    )
+    gripper = f'<body name="mount" pos="0 0 0.1">{mass}<site name="{site}"/>{linkage}</body>'
+    text = re.sub("<site .*?/>", gripper, MJCF.format(defaults="", site="x"), flags=re.S)
+    found = read(tmp_path, text, "xml")
+    assert [joint.name for joint in found.robot.joints] == ["j1", "j2"]
+    assert f"chain from world to {'pinch' if site == 'pinch' else 'l2'}" in found.notes
+
+
 def test_a_finger_is_known_by_the_one_that_follows_it(tmp_path: Path) -> None:
     """Not English, it was the seventh axis of the arm."""
     text = urdf(arms()["irb1200"]).replace("tool0", "end")
@@ -140,3 +157,25 @@ def test_a_finger_is_known_by_the_one_that_follows_it(tmp_path: Path) -> None:
     gear = GREIFER.format(on="link_5").replace('"antrieb"/>', '"joint_6"/>')
     beside = re.sub('<joint name="antrieb".*?</joint>|<link name="backe_a"/>', "", gear, flags=re.S)
     assert read(tmp_path, named.replace("</robot>", beside)).robot.n == 6
+
+
+@pytest.mark.parametrize(("digits", "says"), [(4, "read as exact ones: 4 angles"), (2, "1.57 rad")])
+def test_right_angles_of_a_table_in_radians(tmp_path: Path, digits: int, says: str) -> None:
+    """An arm of 1.5708 was only near one with a closed form, and nothing said so."""
+    text = table("mm").replace("alpha_deg", "alpha_rad")
+    text = re.sub(r",(-?)90,", lambda found: f",{found[1]}{np.pi / 2:.{digits}f},", text)
+    found = read(tmp_path, text, "csv")
+    assert any(says in note for note in found.notes)
+    exact = read(tmp_path, table("mm"), "csv")
+    same = all(
+        np.array_equal(one.frame.matrix(), other.frame.matrix())
+        for one, other in zip(found.robot.links, exact.robot.links, strict=True)
+    )
+    assert same == (digits == 4)
+    assert not [note for note in exact.notes if "quarter" in note]
+
+
+def test_the_joint_of_a_force_sensor_is_told_how_it_is_written(tmp_path: Path) -> None:
+    text = re.sub(r'lower="[^"]*" upper="[^"]*"', 'lower="0" upper="0"', urdf(arms()["irb1200"]))
+    (said,) = [note for note in read(tmp_path, text).notes if "range 0 to 0" in note]
+    assert 'write type="fixed"' in said

@@ -15,11 +15,12 @@ TIPS = (
     *("tcp_link", "tcp_frame", "tool_frame", "flange_link", "eef", "link_eef"),
     *("end_effector_link", "end_effector", "endeffector"),
     *("attachment_site", "tcp_site", "tool_site", "flange_site", "ee_site", "eef_site"),
-    *("end_effector_site", "pinch_site", "attachment"),
+    *("end_effector_site", "pinch_site", "attachment", "pinch"),
 )
 """names that tools give to the end of an arm, as their last words, most telling first"""
 GRIPPER = re.compile(
-    r"finger|gripper|knuckle|jaw|thumb|robotiq|hand\w*_(index|middle|ring|little|pinky)",
+    r"finger|gripper|knuckle|jaw|thumb|robotiq|hand\w*_(index|middle|ring|little|pinky)"
+    r"|(left|right)_(driver|coupler|spring_link|follower)",
     re.IGNORECASE,
 )
 """a joint of this name opens a gripper: it is none of the arm unless asked for"""
