@@ -179,3 +179,22 @@ def test_the_joint_of_a_force_sensor_is_told_how_it_is_written(tmp_path: Path) -
     text = re.sub(r'lower="[^"]*" upper="[^"]*"', 'lower="0" upper="0"', urdf(arms()["irb1200"]))
     (said,) = [note for note in read(tmp_path, text).notes if "range 0 to 0" in note]
     assert 'write type="fixed"' in said
+
+
+def test_a_flange_of_the_elbow_is_no_end_of_the_arm(tmp_path: Path) -> None:
+    """Six axes were three."""
+    flange = """<link name="elbow_flange"/><joint name="bolts" type="fixed"><parent link="link_3"/>
+    <child link="elbow_flange"/></joint></robot>"""
+    text = urdf(arms()["irb1200"]).replace("</robot>", flange)
+    for end in ("tool0", "end"):
+        assert read(tmp_path, text.replace("tool0", end)).robot.n == 6
+
+
+def test_frames_on_the_last_link_are_said(tmp_path: Path) -> None:
+    """The tool ended in the frame of the last link without a word of the others."""
+    text = urdf(arms()["irb1200"])
+    (said,) = [n for n in read(tmp_path, text.replace("tool0", "Teil_7")).notes if "Teil_7" in n]
+    assert "where one of these is meant, take it with --tool-link" in said
+    named = read(tmp_path, text.replace("tool0", "tool"))
+    assert "chain from base_link to tool" in named.notes
+    assert not [note for note in named.notes if "--tool-link" in note]

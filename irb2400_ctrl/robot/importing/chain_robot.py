@@ -26,6 +26,7 @@ from irb2400_ctrl.robot.importing.tree import (
 )
 from irb2400_ctrl.robot.importing.which_joints import (
     end_of_arm,
+    frames_beyond,
     left_out,
     stood_still,
     turning_only,
@@ -93,10 +94,12 @@ def chain_robot(
     """
     notes = list(tree.notes)
     base = base or tree.root()
+    stated = tip
     tip = tip or end_of_arm(tree, base)
     path = stood_still(tree.path(base, tip), notes)
     path, followers = driven(tree, turning_only(tree, path), notes)
     notes.append(f"chain from {base} to {tip}")
+    notes += [] if stated else frames_beyond(tree, tip)
     chain = _Collected([], [], [], [], np.eye(4))
     on_path = {joint.name for joint in path}
     _gather(tree, base, np.eye(4), on_path, chain, notes)

@@ -16,6 +16,7 @@ TIPS = (
     *("end_effector_link", "end_effector", "endeffector"),
     *("attachment_site", "tcp_site", "tool_site", "flange_site", "ee_site", "eef_site"),
     *("end_effector_site", "pinch_site", "attachment", "pinch"),
+    *("ee_frame", "eef_frame", "tool"),
 )
 """names that tools give to the end of an arm, as their last words, most telling first"""
 GRIPPER = re.compile(
@@ -38,7 +39,7 @@ def end_of_arm(tree: Tree, base: str) -> str:
     Raises:
         InputError: more joints turn behind one that slides.
     """
-    best: list[tuple[bool, bool, int, int, int, str]] = []
+    ends: list[tuple[bool, int, int, int, int, str]] = []
     slid: list[tuple[int, str, str]] = []
     for order, link in enumerate(tree.links):
         try:
@@ -57,8 +58,13 @@ def end_of_arm(tree: Tree, base: str) -> str:
         if not rank and turning and turning[-1].mimics:
             continue
         last = bool(path) and path[-1].kind in TURNING
-        best.append((arm, rank > 0, turns, rank if rank else int(last) - 1, -order, link))
-    *_, own, _, _, chosen = max(best)
+        ends.append((arm, rank, turns, rank if rank else int(last) - 1, -order, link))
+    # a flange of the elbow, with the wrist behind it, is no end
+    least = min(ARM, max((turns for arm, _, turns, *_ in ends if arm), default=0))
+    *_, own, _, _, chosen = max(
+        (arm, rank > 0 and turns >= least, turns, place, order, link)
+        for arm, rank, turns, place, order, link in ends
+    )
     most, name, beyond = max(slid, default=(0, "", ""))
     if most > own:
         before = f", or what stands before it with --tool-link {chosen}" if own else ""
@@ -68,6 +74,18 @@ def end_of_arm(tree: Tree, base: str) -> str:
             f"whose joints turn: take what stands behind it with --base-link {beyond}{before}"
         )
     return chosen
+
+
+def frames_beyond(tree: Tree, tip: str) -> list[str]:
+    """A note on what is fixed to the end of the arm, one of which may be the tool's frame; none
+    where the name of the end tells that it is."""
+    fixed = [joint.child for joint in tree.hanging_on(tip) if joint.kind == "fixed"]
+    if _rank(tip) or not fixed:
+        return []
+    return [
+        f"the tool's frame is that of link {tip}; on it stands {', '.join(fixed[:5])}: where one "
+        "of these is meant, take it with --tool-link"
+    ]
 
 
 def _rank(link: str) -> int:
