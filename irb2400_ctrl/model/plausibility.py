@@ -137,9 +137,15 @@ def _small(robot: Robot) -> list[str]:
 
 
 def _centred(robot: Robot) -> list[str]:
-    """Centres of mass that are all next to nothing beside the arm."""
+    """Centres of mass that are all next to nothing beside the arm, or nothing."""
     far = max(float(np.linalg.norm(link.body.com_m)) for link in robot.links)
     least, most = (share * robot.reach for share in CENTRED)
+    weighing = sum(link.body.mass_kg > 0.0 for link in robot.links)
+    if far == 0.0 and weighing > 2 and not unknown_bodies(robot):
+        return [
+            "all centres of mass are in the origins of their links' frames: a placeholder, with "
+            "which the weight is felt wrongly; expected each link's own"
+        ]
     if not least < far < most:
         return []
     return [

@@ -117,8 +117,9 @@ def test_centres_of_mass_in_metres_are_asked_about(tmp_path: Path) -> None:
             moved = link.model_copy(update={"body": link.body.model_copy(update={"com_m": com})})
             links = tuple(moved if one.name == link.name else one for one in wrong.links)
             wrong = wrong.model_copy(update={"links": links})
-        said = [note for note in plausibility(wrong) if "look like metres" in note]
-        assert len(said) == told
+        said = plausibility(wrong)
+        assert len([note for note in said if "look like metres" in note]) == told
+        assert len([note for note in said if "a placeholder, with which the wei" in note]) != told
 
 
 def test_rows_that_begin_at_the_tool_are_refused(tmp_path: Path) -> None:
