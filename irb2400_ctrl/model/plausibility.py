@@ -37,7 +37,17 @@ LONGEST_M = 10.0
 """a link longer than this is more likely a slip of unit [m]"""
 HEAVIEST_KG = 5000.0
 """so is a heavier one"""
+SHORTEST_M = 0.05
+"""an arm that reaches less far is more likely a slip of unit [m]"""
+CENTRED = (1e-6, 1e-3)
+"""distances of all centres of mass from their frames over the reach: more than rounding leaves, and
+less than any links have"""
+OFF_CENTRE = 0.4
+"""share of a link's largest moment from which that of its mass in the centre of mass tells about
+which point it is [-]"""
 FAST_DEG_S = 2000.0
+SLOW_DEG_S = 13.0
+"""two turns a second, taken for degrees: the slowest joints of large arms turn faster"""
 WIDE_DEG = 1000.0
 NARROW_DEG = 7.0
 
@@ -54,6 +64,8 @@ def plausibility(robot: Robot) -> list[str]:
         notes += _body(link.name, link.body, most)
     notes += _masses(robot)
     notes += too_dense(robot)
+    notes += _about_the_frames(robot)
+    notes += _small(robot) or _centred(robot)
     notes += _beside(robot) or _weight(robot)
     notes += _friction(robot)
     notes += _rotors(robot)
@@ -72,11 +84,16 @@ def plausibility(robot: Robot) -> list[str]:
 
 
 def _fast(robot: Robot) -> list[str]:
-    """Speed limits that no joint comes to."""
+    """Speed limits that no joint comes to, or that are all of none."""
     speeds = {joint.name: joint.limits.speed_deg_s or 0.0 for joint in robot.joints}
     found = {name: f"{speed:g}" for name, speed in speeds.items() if speed > FAST_DEG_S}
     if not found:
-        return []
+        fastest = max(speeds.values())
+        if not all(speeds.values()) or fastest > SLOW_DEG_S:
+            return []
+        return [
+            f"no joint may turn faster than {fastest:.3g} deg/s; the speed limits look like rad/s"
+        ]
     values = ", ".join(dict.fromkeys(found.values()))
     return [f"{', '.join(found)}: speed limit {values} deg/s is beyond any arm's"]
 
@@ -109,6 +126,55 @@ def _beside(robot: Robot) -> list[str]:
     return [
         f"{', '.join(found)}: the centres of mass are {', '.join(found.values())} m beside their "
         "links; it looks like the base's frame, expected each in its own link's"
+    ]
+
+
+def _small(robot: Robot) -> list[str]:
+    """An arm that would stand on a fingertip."""
+    if not 0.0 < robot.reach < SHORTEST_M:
+        return []
+    return [f"the arm reaches {1e3 * robot.reach:.3g} mm; its lengths look like metres read as mm"]
+
+
+def _centred(robot: Robot) -> list[str]:
+    """Centres of mass that are all next to nothing beside the arm, or nothing."""
+    far = max(float(np.linalg.norm(link.body.com_m)) for link in robot.links)
+    least, most = (share * robot.reach for share in CENTRED)
+    weighing = sum(link.body.mass_kg > 0.0 for link in robot.links)
+    if far == 0.0 and weighing > 2 and not unknown_bodies(robot):
+        return [
+            "all centres of mass are in the origins of their links' frames: a placeholder, with "
+            "which the weight is felt wrongly; expected each link's own"
+        ]
+    if not least < far < most:
+        return []
+    return [
+        f"all centres of mass are within {1e3 * far:.2g} mm of their links' frames; they look like "
+        "metres read as mm"
+    ]
+
+
+def _about_the_frames(robot: Robot) -> list[str]:
+    """Inertias about the frames of the links, as CAD programs list them, too.
+
+    Take off what the mass in its centre makes about the frame: what is left of such a one is a
+    body that can exist. Of one about the centre of mass that is far from the frame it is none.
+    """
+    told = {}
+    for link in robot.links:
+        body = link.body
+        com = np.array(body.com_m)
+        shift = body.mass_kg * (com @ com * np.eye(3) - np.outer(com, com))
+        largest = float(np.linalg.eigvalsh(body.tensor())[2])
+        if body.mass_kg * com @ com > OFF_CENTRE * largest > 0.0:
+            least, middle, most = np.linalg.eigvalsh(body.tensor() - shift)
+            told[link.name] = least >= 0.0 and least + middle >= most
+    if len(told) < 3 or not all(told.values()):
+        return []
+    return [
+        f"{', '.join(told)}: the inertias look as if they were about the frames of the links: "
+        "without what the distance of the centre of mass adds, all are still those of bodies; "
+        "expected them about the centre of mass"
     ]
 
 

@@ -26,6 +26,7 @@ from irb2400_ctrl.robot.importing.tree import (
 )
 from irb2400_ctrl.robot.importing.which_joints import (
     end_of_arm,
+    frames_beyond,
     left_out,
     stood_still,
     turning_only,
@@ -93,17 +94,17 @@ def chain_robot(
     """
     notes = list(tree.notes)
     base = base or tree.root()
-    tip = tip or end_of_arm(tree, base)
-    path = stood_still(tree.path(base, tip), notes)
+    end = tip or end_of_arm(tree, base)
+    path = stood_still(tree.path(base, end), notes)
     path, followers = driven(tree, turning_only(tree, path), notes)
-    notes.append(f"chain from {base} to {tip}")
+    notes += [f"chain from {base} to {end}", *([] if tip else frames_beyond(tree, end))]
     chain = _Collected([], [], [], [], np.eye(4))
     on_path = {joint.name for joint in path}
     _gather(tree, base, np.eye(4), on_path, chain, notes)
     for joint in path:
         _step(tree, joint, chain, on_path, notes)
     if not chain.joints:
-        where = "joint that turns" if base == tip else f"joint that turns between {base} and {tip}"
+        where = "joint that turns" if base == end else f"joint that turns between {base} and {end}"
         raise InputError(f"{tree.name}: found no {where}, expected those of an arm")
     tables = [joint_table(joint, notes) for joint in chain.joints]
     notes += _one_limit([t["limits"].get("torque_Nm") for t in tables])

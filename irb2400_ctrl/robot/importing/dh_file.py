@@ -19,7 +19,7 @@ import numpy as np
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.reading import bounded_text, looks_like
-from irb2400_ctrl.robot.importing.tree import Mass, Tree, TreeJoint, pose
+from irb2400_ctrl.robot.importing.tree import COARSE, ROUNDED, Mass, Tree, TreeJoint, pose
 
 CONVENTIONS = ("standard", "modified")
 _UNITS = {
@@ -97,6 +97,7 @@ def read_dh(path: Path, convention: str | None) -> Tree:
             f"--convention{looks_like(''.join(table[:1]).split(','), '')}"
         )
     rows = _rows(path, table, separator)
+    _from_the_base(rows)
     links: dict[str, Mass | None] = {"base": None}
     joints = []
     weighs = any(row.get(name) is not None for row in rows for name in _MASS_DATA)
@@ -124,7 +125,48 @@ def read_dh(path: Path, convention: str | None) -> Tree:
     links["tool0"] = None
     joints.append(TreeJoint("tool", "fixed", parent, "tool0", before, np.zeros(3)))
     source = f"imported from {path.name} ({convention} DH)"
-    return Tree(path.stem, source, links, tuple(joints))
+    return Tree(path.stem, source, links, tuple(joints), notes=_few_digits(rows))
+
+
+def _few_digits(rows: list[_Row]) -> tuple[str, ...]:
+    """What is made of angles that are right ones but for their digits (1.5708, 1.57)."""
+    angles = [row.get(name) or 0.0 for row in rows for name in ("alpha", "theta_offset")]
+    off = [abs(angle - _quarters(angle)) for angle in angles]
+    rounded = sum(1e-9 < one < ROUNDED for one in off)
+    coarse = {
+        f"{angle:.6g}": None
+        for angle, one in zip(angles, off, strict=True)
+        if ROUNDED <= one < COARSE and _quarters(angle)
+    }
+    notes = [f"quarter turns of few digits (1.5708) are read as exact ones: {rounded} angles"]
+    return (
+        *notes[: min(rounded, 1)],
+        *(
+            f"an angle of {angle} rad is read as it stands, up to 2 mrad off a quarter turn; if a "
+            "right angle is meant, write 1.5707963, or degrees"
+            for angle in coarse
+        ),
+    )
+
+
+def _quarters(angle: float) -> float:
+    """The nearest whole number of quarter turns [rad]."""
+    return round(angle / (np.pi / 2)) * np.pi / 2
+
+
+def _from_the_base(rows: list[_Row]) -> None:
+    """Refuse rows whose names count otherwise: their order is that of the axes."""
+    names = [(row.cells.get("name") or "").strip() for row in rows]
+    counted = [re.fullmatch(r"(.*?[^\W\d].*?)(\d+)", name) for name in names if name != "flange"]
+    numbers = [int(match[2]) for match in counted if match]
+    if len(numbers) < len(counted) or len({match[1] for match in counted if match}) > 1:
+        return
+    for row, before, number in zip(rows[1:], numbers, numbers[1:], strict=False):
+        if number < before:
+            raise InputError(
+                f"{row.where}: found axis {number} below axis {before}, by their names; expected "
+                "the rows in the order of the axes, that next to the base first"
+            )
 
 
 def _moves_nothing(row: _Row) -> None:
@@ -213,7 +255,8 @@ def _step(row: _Row, convention: str) -> Array:
 
 
 def _angle(row: _Row, name: str, angle: float) -> float:
-    """The angle [rad], refused where it is right in the other unit alone."""
+    """The angle [rad], exact where it is a quarter turn of few digits; refused where it is right in
+    the other unit alone."""
     degrees = np.degrees(angle)
     if min(abs(abs(degrees) - np.pi / 2), abs(abs(degrees) - np.pi)) < 1e-3:
         raise InputError(
@@ -225,7 +268,7 @@ def _angle(row: _Row, name: str, angle: float) -> float:
             f"{row.where}: {name} is {angle:.5g} rad, more than a whole turn; expected radians "
             f"under {name}_rad, or the name {name}_deg"
         )
-    return angle
+    return _quarters(angle) if abs(angle - _quarters(angle)) < ROUNDED else angle
 
 
 def _mass(row: _Row) -> Mass:

@@ -90,6 +90,8 @@ def _no_range(joint: TreeJoint) -> str:
         return "no range in the file"
     low, high = joint.range
     why = "the lower end must be below" if low >= high else "nothing turns so far"
+    if low == high == 0.0:
+        why += '; of a joint that does not turn, as that of a force sensor, write type="fixed"'
     return f"range {low:g} to {high:g} rad in the file is none ({why})"
 
 

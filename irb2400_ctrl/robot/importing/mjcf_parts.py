@@ -101,7 +101,9 @@ def defaults(root: ET.Element) -> Defaults:
             walk(inner, inner.get("class", ""), settings)
 
     for top in root.findall("default"):
-        walk(top, top.get("class", "main"), found["main"])
+        walk(top, "main", found["main"])
+        # under another name it is the one of all elements without a class, too
+        found[top.get("class", "main")] = found["main"]
     return found
 
 

@@ -14,10 +14,14 @@ TIPS = (
     *("tcp", "tool0", "tool_0", "ee_link", "flange", "link_ee", "tool_link", "ee"),
     *("tcp_link", "tcp_frame", "tool_frame", "flange_link", "eef", "link_eef"),
     *("end_effector_link", "end_effector", "endeffector"),
+    *("attachment_site", "tcp_site", "tool_site", "flange_site", "ee_site", "eef_site"),
+    *("end_effector_site", "pinch_site", "attachment", "pinch"),
+    *("ee_frame", "eef_frame", "tool"),
 )
 """names that tools give to the end of an arm, as their last words, most telling first"""
 GRIPPER = re.compile(
-    r"finger|gripper|knuckle|jaw|thumb|robotiq|hand\w*_(index|middle|ring|little|pinky)",
+    r"finger|gripper|knuckle|jaw|thumb|robotiq|hand\w*_(index|middle|ring|little|pinky)"
+    r"|(left|right)_(driver|coupler|spring_link|follower)",
     re.IGNORECASE,
 )
 """a joint of this name opens a gripper: it is none of the arm unless asked for"""
@@ -35,7 +39,7 @@ def end_of_arm(tree: Tree, base: str) -> str:
     Raises:
         InputError: more joints turn behind one that slides.
     """
-    best: list[tuple[bool, bool, int, int, int, str]] = []
+    ends: list[tuple[bool, int, int, int, int, str]] = []
     slid: list[tuple[int, str, str]] = []
     for order, link in enumerate(tree.links):
         try:
@@ -45,7 +49,7 @@ def end_of_arm(tree: Tree, base: str) -> str:
         turns = sum(map(_turns, path))
         rank = _rank(link)
         path = stood_still(path, [])
-        arm = turns > 0 and not any(map(_grips, path))
+        arm = turns > 0 and not any(map(_grips, path)) and bool(rank or not _pinches(tree, path))
         sliding = next((j for j in path if j.kind not in TURNING | {"fixed"}), None)
         if not rank and sliding is not None:
             slid.append((turns * arm, sliding.name, sliding.child))
@@ -54,8 +58,13 @@ def end_of_arm(tree: Tree, base: str) -> str:
         if not rank and turning and turning[-1].mimics:
             continue
         last = bool(path) and path[-1].kind in TURNING
-        best.append((arm, rank > 0, turns, rank if rank else int(last) - 1, -order, link))
-    *_, own, _, _, chosen = max(best)
+        ends.append((arm, rank, turns, rank if rank else int(last) - 1, -order, link))
+    # a flange of the elbow, with the wrist behind it, is no end
+    least = min(ARM, max((turns for arm, _, turns, *_ in ends if arm), default=0))
+    *_, own, _, _, chosen = max(
+        (arm, rank > 0 and turns >= least, turns, place, order, link)
+        for arm, rank, turns, place, order, link in ends
+    )
     most, name, beyond = max(slid, default=(0, "", ""))
     if most > own:
         before = f", or what stands before it with --tool-link {chosen}" if own else ""
@@ -65,6 +74,18 @@ def end_of_arm(tree: Tree, base: str) -> str:
             f"whose joints turn: take what stands behind it with --base-link {beyond}{before}"
         )
     return chosen
+
+
+def frames_beyond(tree: Tree, tip: str) -> list[str]:
+    """A note on what is fixed to the end of the arm, one of which may be the tool's frame; none
+    where the name of the end tells that it is."""
+    fixed = [joint.child for joint in tree.hanging_on(tip) if joint.kind == "fixed"]
+    if _rank(tip) or not fixed:
+        return []
+    return [
+        f"the tool's frame is that of link {tip}; on it stands {', '.join(fixed[:5])}: where one "
+        "of these is meant, take it with --tool-link"
+    ]
 
 
 def _rank(link: str) -> int:
@@ -151,6 +172,13 @@ def _grips(joint: TreeJoint) -> bool:
     """Whether a joint opens a gripper, by its name or that of what it moves."""
     named = GRIPPER.search(joint.name) or FINGER.search(joint.child)
     return joint.kind in TURNING and named is not None
+
+
+def _pinches(tree: Tree, path: list[TreeJoint]) -> bool:
+    """Whether the last joint that turns moves one of two fingers: the other one, beside it on the
+    same link, follows it. A rod of a parallelogram does so too, and more joints turn behind it."""
+    last = [joint for joint in path if joint.kind in TURNING][-1:]
+    return any(other.mimics == one.name for one in last for other in tree.hanging_on(one.parent))
 
 
 def _weight(tree: Tree, link: str) -> float:
