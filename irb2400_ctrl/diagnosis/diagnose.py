@@ -56,7 +56,7 @@ from irb2400_ctrl.wording import numbered
 COMMON_FRICTION = 0.3
 """standard deviation of the friction of all joints together, over the file's: temperature"""
 BYTES_PER_ROW = 4.5e5
-"""of memory that the search takes, on six axes (1.5 GB for 150 s)"""
+"""of memory that the search may take, on six axes: a tenth more than it does (1.5 GB for 150 s)"""
 WORTH = 0.01
 """share of a joint's error that a changed friction takes off at least"""
 LEAST_SPEED = 0.05

@@ -14,7 +14,7 @@ from sound_logs import Drawn, sound_log
 from irb2400_ctrl.plausibility import check_log
 from irb2400_ctrl.plausibility.evidence import Nominal
 from irb2400_ctrl.plausibility.over_time import disagreement, stretches
-from irb2400_ctrl.plausibility.rows import rows_of
+from irb2400_ctrl.plausibility.rows import Rows, rows_of
 
 Change = Callable[[np.ndarray], np.ndarray]
 CHANGES: dict[str, Change] = {
@@ -32,14 +32,25 @@ def drawn(seed: int) -> Drawn:
     return other_arm_log(seed)
 
 
+def rows_from(one: Drawn) -> Rows:
+    """Of a log that is long enough for some."""
+    rows = rows_of(one.log)
+    assert rows is not None
+    return rows
+
+
+def third_quarter(rows: Rows) -> slice:
+    """A stretch in the second half."""
+    return slice(len(rows.tau) // 2, 3 * len(rows.tau) // 4)
+
+
 @pytest.mark.parametrize("change", CHANGES.values(), ids=CHANGES)
 @pytest.mark.parametrize("seed", SEEDS)
 def test_a_stretch_that_does_not_go_with_the_rest_is_told(seed: int, change: Change) -> None:
     one = drawn(seed)
-    rows = rows_of(one.log)
-    assert rows is not None
+    rows = rows_from(one)
     joint = 3
-    inside = slice(len(rows.tau) // 2, 3 * len(rows.tau) // 4)
+    inside = third_quarter(rows)
     tau = rows.tau.copy()
     tau[inside, joint] = change(tau[inside, joint])
     said = disagreement(Nominal(one.robot), rows.with_torque(tau))
@@ -54,9 +65,8 @@ def test_a_stretch_that_does_not_go_with_the_rest_is_told(seed: int, change: Cha
 def test_gears_of_the_wrist_are_told_where_they_would_explain_a_stretch() -> None:
     """The friction of motor 6, which axis 5 turns, too, while axis 6 creeps for a quarter of it."""
     one = drawn(SEEDS[0])
-    rows = rows_of(one.log)
-    assert rows is not None
-    late = slice(len(rows.tau) // 2, 3 * len(rows.tau) // 4)
+    rows = rows_from(one)
+    late = third_quarter(rows)
     qd = rows.qd.copy()
     qd[:, 4] *= 0.3
     qd[late, 5] *= 0.05
@@ -95,8 +105,7 @@ def test_a_log_in_two_units_is_not_another_robots_alone() -> None:
 def test_a_second_that_differs_is_no_stretch() -> None:
     """Axis 5 of this sound log leaves half of its torque for a second of thirty."""
     one = sound_log(700105)
-    rows = rows_of(one.log)
-    assert rows is not None
+    rows = rows_from(one)
     worst = max(stretches(Nominal(one.robot), rows), key=lambda found: found.gain)
     assert worst.gain > 15.0
     assert worst.share > 0.3
@@ -115,8 +124,7 @@ def test_nothing_is_told_of_sound_logs(make: Callable[[int], Drawn]) -> None:
 def test_a_motion_that_is_nowhere_else_needs_numbers_that_nothing_else_has_told() -> None:
     """Two wrist joints that move for a seventh of the log, each with a rotor of no file."""
     one = drawn(SEEDS[1])
-    rows = rows_of(one.log)
-    assert rows is not None
+    rows = rows_from(one)
     moves = np.zeros(len(rows.q), dtype=bool)
     moves[len(moves) // 2 : len(moves) // 2 + len(moves) // 7] = True
     still = ~moves[:, None] & np.array([False, False, False, True, True, True])
@@ -140,9 +148,8 @@ def test_a_motion_that_is_nowhere_else_needs_numbers_that_nothing_else_has_told(
 
 def test_dry_friction_may_hold_anything_at_rest() -> None:
     one = drawn(SEEDS[1])
-    rows = rows_of(one.log)
-    assert rows is not None
-    rests = slice(len(rows.tau) // 2, 3 * len(rows.tau) // 4)
+    rows = rows_from(one)
+    rests = third_quarter(rows)
     tau = rows.tau.copy()
     tau[rests, 3] += 2.0 * rows.size[3]
     assert "joint 4" in disagreement(Nominal(one.robot), rows.with_torque(tau))
@@ -154,8 +161,7 @@ def test_dry_friction_may_hold_anything_at_rest() -> None:
 
 def test_half_of_a_torque_is_enough_in_a_long_log() -> None:
     one = drawn(SEEDS[0])
-    rows = rows_of(one.log)
-    assert rows is not None
+    rows = rows_from(one)
     tau = rows.tau.copy()
     tau[2 * len(tau) // 3 :, 3] *= 1.5
     (found,) = (s for s in stretches(Nominal(one.robot), rows.with_torque(tau)) if s.told)

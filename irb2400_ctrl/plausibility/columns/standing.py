@@ -48,11 +48,11 @@ def standing_problem(log: Log) -> LogProblem | None:
     """
     if log.qd is None and log.q_ref is None:
         return None
-    width = max(5, round(WINDOW * log.rate))
+    width = _width(log)
     if len(log.time) < 3 * width:
         return None
     still = np.minimum(FLICKER * digit(log.q), STILL)
-    room = maximum_filter1d(log.q, width, axis=0) - minimum_filter1d(log.q, width, axis=0)
+    room = _room(log)
     for j in np.flatnonzero(np.ptp(log.q, axis=0) > MOVES):
         stands = room[:, j] <= still[j]
         # the window of a sample in the middle of it reaches half of its width to both sides
@@ -88,9 +88,20 @@ def standing_remarks(log: Log) -> list[str]:
 
 def _in_turn(log: Log) -> bool:
     """Whether the joints move one after the other, as in runs for friction."""
-    width = max(5, round(WINDOW * log.rate))
-    room = maximum_filter1d(log.q, width, axis=0) - minimum_filter1d(log.q, width, axis=0)
-    return bool(np.mean((room > MOVES).sum(axis=1) <= 1) > IN_TURN)
+    return bool(np.mean((_room(log) > MOVES).sum(axis=1) <= 1) > IN_TURN)
+
+
+def _width(log: Log) -> int:
+    """Samples of a window."""
+    return max(5, round(WINDOW * log.rate))
+
+
+def _room(log: Log) -> Array:
+    """How far each angle goes within the window around a sample, (m, n) [rad]."""
+    width = _width(log)
+    return np.asarray(
+        maximum_filter1d(log.q, width, axis=0) - minimum_filter1d(log.q, width, axis=0)
+    )
 
 
 def _contradicted(log: Log, j: int, run: Run, step: float) -> LogProblem | None:
