@@ -188,8 +188,13 @@ class Simulation(Displayed):
 
     def reported_torque(self) -> Array:
         """Torque as the measuring chain reports it: with the plant's gain, offset and delay, and
-        noise [Nm]."""
+        noise [Nm].
+
+        A drive holds a torque from one control step to the next. At the instant of an angle that is
+        in between: the mean of both, or all torques would be early by half a step.
+        """
         tau = np.array(self.tau)
+        tau[1:] = 0.5 * (tau[1:] + tau[:-1])
         for effect in self.plant.effects:
             tau = effect.reported(self.time, tau)
         noise = np.random.default_rng(self.seed).standard_normal(tau.shape)

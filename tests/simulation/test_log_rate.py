@@ -1,4 +1,4 @@
-"""The data stream of a simulated drive has the rate that it says."""
+"""The data stream of a simulated drive has the rate that it says, and one instant in a row."""
 
 from __future__ import annotations
 
@@ -7,7 +7,8 @@ import pytest
 from simulation.arms import START, STOP, arm, quintic_move
 
 from irb2400_ctrl.errors import InputError
-from irb2400_ctrl.simulation import Sensors, make_loop, simulate
+from irb2400_ctrl.model import Model
+from irb2400_ctrl.simulation import IDEAL_SENSORS, Sensors, make_loop, simulate
 
 MOVE = quintic_move(START, STOP, 0.4)
 
@@ -38,3 +39,18 @@ def test_a_rate_between_the_samples_is_refused(control: float, asked: float, tri
     """It was logged at 500 Hz where 400 were asked for, in silence."""
     with pytest.raises(InputError, match=f"rate_Hz = {asked:g}; expected .* try {tries}"):
         make_loop(arm(), "computed_torque", rate=control, sensors=Sensors(rate_Hz=asked))
+
+
+def test_the_logged_torque_is_that_of_the_angles_instant() -> None:
+    """Each torque is held for a step: told at its beginning, all are early by half of one, which
+    looked like an elastic joint where the motion was quick."""
+    run = simulate(arm(), quintic_move(START, STOP, 1.2), "computed_torque", sensors=IDEAL_SENSORS)
+    qdd = np.gradient(run.qd, run.time, axis=0)
+    needed = Model(run.plant).inverse_dynamics(run.q, run.qd, qdd)
+    moving = (np.abs(run.qd) > 0.15).all(axis=1)
+    moving[[0, -1]] = False
+    rate = np.gradient(needed, run.time, axis=0)[moving]
+    for told, late in ((run.reported_torque(), 0.0), (run.tau, -5e-4)):
+        gap = (needed - told)[moving]
+        delay = (rate * gap).sum() / (rate**2).sum()
+        assert delay == pytest.approx(late, abs=5e-5)
