@@ -102,11 +102,28 @@ class HeldOut:
     def over_given(self, effects: Sequence[int]) -> Worth:
         """Of effects of the fit (their places) and the numbers fitted beside them, over the robot's
         numbers as they were given beside the other effects."""
-        fitter = self.fitter
-        motion = fitter.motion
-        others = [e for k, e in enumerate(self.fit.effects) if k not in effects]
-        given = motion.at_rows(motion.tau - fitter.predicted(others))
-        return Worth.of(given, self._told(self.fit, self._found), self._known)
+        return Worth.of(self._given(effects), self._told(self.fit, self._found), self._known)
+
+    def over_all_left(self, place: int) -> float:
+        """Rms of a law without a name (its place among `chosen`) over that of all that the robot's
+        numbers as they were given leave on its joint, beside the effects of the fit [1]."""
+        joint = self.chosen[place].joint
+        if joint is None:
+            return 0.0
+        laws = sum(not c.known for c in self.chosen[:place])
+        counts = self._known[:, joint - 1]
+        law, left = (
+            float(np.sum(torque[counts, joint - 1] ** 2))
+            for torque in (self.fit.non_parametric[laws], self._given())
+        )
+        return float(np.sqrt(law / max(left, 1e-12)))
+
+    def _given(self, apart: Sequence[int] = ()) -> Array:
+        """What the given numbers leave beside the effects of the fit but for some (their places),
+        not filtered, shape (rows, n)."""
+        motion = self.fitter.motion
+        others = [e for k, e in enumerate(self.fit.effects) if k not in apart]
+        return motion.at_rows(motion.tau - self.fitter.predicted(others))
 
     def told_of(self, effects: Sequence[int]) -> Worth:
         """The same for effects of the fit (their places) that other numbers of the robot could take
