@@ -21,11 +21,11 @@ BLOCK = 13
 
 def _averaged(x: np.ndarray) -> np.ndarray:
     n = len(x) // BLOCK
-    return np.asarray(x[: n * BLOCK].reshape(n, BLOCK, -1).mean(axis=1))
+    return np.asarray(x[: n * BLOCK].reshape(n, BLOCK, *x.shape[1:]).mean(axis=1))
 
 
-def _base_directions(moving: np.ndarray, dt: float) -> np.ndarray:
-    """Torque (n, 6, 82) per standard deviation of each uncertain base parameter."""
+def _base_directions(moving: np.ndarray, dt: float, friction: np.ndarray | None) -> np.ndarray:
+    """Torque (n, 6, 70 + k) per standard deviation of each uncertain base parameter."""
     servo = Servo(np.ones((6, 9)))  # a prescribed motion needs none
 
     def torque(bodies: np.ndarray, friction: np.ndarray) -> np.ndarray:
@@ -43,8 +43,10 @@ def _base_directions(moving: np.ndarray, dt: float) -> np.ndarray:
             moved = nominal.copy()
             moved[body, k] += step
             columns.append(torque(moved, FRICTION) - plain)
+    if friction is not None:
+        return np.concatenate([np.stack(columns, axis=2), _averaged(friction)], axis=2)
     for joint in range(6):
-        for k in (1, 2):  # the static level shows only below the Stribeck speed
+        for k in (0, 1, 2):  # what the plants draw of every joint: static, Coulomb, viscous
             moved = FRICTION.copy()
             moved[joint, k] *= 1.04
             columns.append(torque(nominal, moved) - plain)
@@ -66,6 +68,7 @@ def beyond_base(
     plain: np.ndarray,
     torques: Sequence[np.ndarray],
     spread: float = 1.0,
+    friction: np.ndarray | None = None,
 ) -> list[tuple[np.ndarray, float]]:
     """Per effect: rms of the torque that stays unexplained, over each joint's rms torque (6,); and
     its strength.
@@ -79,10 +82,12 @@ def beyond_base(
         errors: a sample of the torque noise at that rate, (m, 6).
         plain: torque of the arm without effects, (n, 6); torques: of each effect, (n, 6).
         spread: times the data sheet's uncertainty.
+        friction: torque per standard deviation of each number of the arm's friction, (n, 6, k);
+            default: of this plant's law.
     """
     if not torques:
         return []
-    X = _base_directions(moving, dt)
+    X = _base_directions(moving, dt, friction)
     weight = 1.0 / _averaged(errors).std(axis=0)
     A = (X * weight[None, :, None]).reshape(-1, X.shape[2])
     gram = A.T @ A + np.eye(A.shape[1]) / spread**2

@@ -64,6 +64,12 @@ FRICTION = np.array([[j["friction"][k] for k in _FRICTION] for j in _JOINTS])
 RANGES = np.radians([j["limits"]["range_deg"] for j in _JOINTS])
 SPEEDS = np.radians([j["limits"]["speed_deg_s"] for j in _JOINTS])
 TORQUES = np.array([j["limits"]["torque_Nm"] for j in _JOINTS], dtype=float)
+FRICTION_SIGMA = 0.04
+"""of each number of an arm's friction"""
+BENDS = (4e-5, 2e-4)
+"""angles over which dry friction builds up [rad]: their logarithms are equally likely"""
+BEND_SIGMA = float(np.log(BENDS[1] / BENDS[0])) / 12**0.5
+"""of the logarithm"""
 TIP = np.array([0.24, 0.0, 0.162 + FLANGE])
 """of the tool, in frame 6 [m]"""
 
@@ -161,9 +167,9 @@ def drawn_arm(rng: np.random.Generator) -> Arm:
     friction drawn; without damping of the bristles, which follows from a motion."""
     links = tuple(body.drawn(rng) for body in LINKS)
     tool = TOOL.drawn(rng)
-    friction = FRICTION * (1 + 0.04 * rng.normal(size=FRICTION.shape))
+    friction = FRICTION * (1 + FRICTION_SIGMA * rng.normal(size=FRICTION.shape))
     friction[:, 0] = np.maximum(friction[:, 0], friction[:, 1] * 1.02)
-    bend = np.exp(rng.uniform(np.log(4e-5), np.log(2e-4), 6))
+    bend = np.exp(rng.uniform(*np.log(BENDS), 6))
     return Arm(links, (tool,), friction=friction, bend=bend)
 
 

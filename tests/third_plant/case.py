@@ -10,7 +10,16 @@ import numpy as np
 from independent_plant.visibility import beyond_base
 
 from .arm import RANGES, SPEEDS, Arm, drawn_arm
-from .drives import Run, Servo, added_torques, rms, run, smoothed, states_in_log
+from .drives import (
+    Run,
+    Servo,
+    added_torques,
+    friction_columns,
+    rms,
+    run,
+    smoothed,
+    states_in_log,
+)
 from .effect import IDENTIFICATION, VALIDATION, Effect, Reach
 from .excitation import excitation
 from .log import Log, Reading
@@ -136,7 +145,9 @@ class Case:
         entries = [entry for one in pairs for entry in in_library_terms(*one)]
         errors = made.reading.torque_errors(np.random.default_rng(0), 20000)
         torques = [entry.torque for entry in entries]
-        found = beyond_base(states_in_log(first), 1 / RATE, errors, first.tau, torques)
+        friction = friction_columns(made.arm, IDENTIFICATION, first)
+        states = states_in_log(first)
+        found = beyond_base(states, 1 / RATE, errors, first.tau, torques, friction=friction)
         strengths = [strength for _, strength in found]
         return tuple(
             Truth.of(entry, rms(entry.torque) / rms(first.tau), strength)

@@ -9,7 +9,7 @@ import numpy as np
 from scipy import signal
 
 from . import native
-from .arm import NOMINAL, TORQUES, Arm, Law, Transmission
+from .arm import BEND_SIGMA, FRICTION_SIGMA, NOMINAL, TORQUES, Arm, Law, Transmission
 from .effect import Effect
 from .sensors import DT, SHOWN, TIME, Channel, Motion, Zero, in_log, seen, unseen
 
@@ -138,6 +138,20 @@ def added_torques(arm: Arm, effects: Sequence[Effect], log: str, made: Run) -> l
         whole - _shown(arm, [e for e in effects if e is not one], log, made.seen, made.given)
         for one in effects
     ]
+
+
+def friction_columns(arm: Arm, log: str, made: Run) -> np.ndarray:
+    """Torque in the log per standard deviation of each number of an arm's friction, as `drawn_arm`
+    draws it before there are effects: bend, static, Coulomb, viscous, Stribeck speed; of each
+    joint, (n, 6, 30)."""
+    changed = [arm, replace(arm, bend=arm.bend * np.exp(BEND_SIGMA))]
+    for k in range(4):
+        friction = arm.friction.copy()
+        friction[:, k] *= 1 + FRICTION_SIGMA
+        changed.append(replace(arm, friction=friction))
+    plain, *found = [_shown(one, (), log, made.seen, 0.0) for one in changed]
+    # a joint's friction is felt there alone
+    return np.concatenate([(one - plain)[:, :, None] * np.eye(6) for one in found], axis=2)
 
 
 def states_in_log(made: Run) -> np.ndarray:

@@ -11,11 +11,12 @@ import numpy as np
 import pytest
 from independent_plant import native as other
 from independent_plant.parameters import paper_arm
+from independent_plant.visibility import beyond_base
 
 from . import arm_laws, native
 from .arm import NOMINAL, RANGES, SPEEDS, TORQUES, drawn_arm, tool_places
 from .case import Case
-from .drives import rms, with_effects
+from .drives import friction_columns, rms, states_in_log, with_effects
 from .effect import IDENTIFICATION, VALIDATION, Draw, Reach
 from .sensors import DT, SHOWN, TIME
 from .suites import FIRST_SEED, KINDS, LIBRARY, SUITES, plan
@@ -175,6 +176,22 @@ def test_a_law_changes_the_arm_or_its_chain_by_its_size(kind: str) -> None:
         still = NOMINAL.torque(*motion, float(time[0]), 4 * DT)
         added.append(float(rms(arm.torque(*motion, float(time[0]), 4 * DT) - still).max()))
     assert not added or 1.1 < added[1] / added[0] < 4.0
+
+
+def test_friction_within_the_data_sheet_stands_out_no_further(cases: dict[str, Case]) -> None:
+    """A sigma is of this plant's friction: by the law of another, whose bristles do not bend, a dry
+    friction of joint 5 that was 23 stood out by 498."""
+    made = cases["clean/0"].made
+    first = made.runs[0]
+    columns = friction_columns(made.arm, IDENTIFICATION, first)
+    static, coulomb = columns[:, :, 6 + 4], columns[:, :, 12 + 4]
+    torques = [5.0 * coulomb, 3.0 * coulomb - 2.0 * static]
+    errors = made.reading.torque_errors(np.random.default_rng(0), 20000)
+    states = states_in_log(first)
+    told = beyond_base(states, 4 * DT, errors, first.tau, torques, friction=columns)
+    for (_, strength), at_most in zip(told, (5.0, np.sqrt(13.0)), strict=True):
+        assert 0.4 * at_most < strength <= at_most
+    assert beyond_base(states, 4 * DT, errors, first.tau, torques)[0][1] > 10.0
 
 
 def test_couplings_rotors_and_tools_are_told_in_the_librarys_terms() -> None:
