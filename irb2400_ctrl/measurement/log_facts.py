@@ -22,6 +22,8 @@ LAG = 0.25
 """[s] longest lag that is looked for"""
 WHOLE = 0.1
 """of a digit, within which a step is a whole number of digits"""
+REACHES = (8.0, 64.0, 512.0)
+"""digits up to which steps are counted, each with the mean of those before"""
 MOSTLY = 0.9
 """share of the steps that are, of a digit (random ones: twice `WHOLE`)"""
 
@@ -127,14 +129,28 @@ def _digit(column: Array) -> float:
         return 0.0
     while len(steps):
         found = float(steps.min())
+        # digits of a sensor are printed in those of a file: what is nearly whole is whole, and what
+        # the print takes from a digit counts as often as that goes into a step
+        mean = _mean_digit(steps, found)
+        if np.sum(_rest(steps, mean) > WHOLE * mean) < (1.0 - MOSTLY) * len(steps):
+            return mean
         # of the rest, not of the steps: an error of the digit counts as often as it goes into one
-        rest = np.abs(steps - found * np.round(steps / found))
-        # digits of a sensor are printed in those of a file: what is nearly whole is whole
-        more = rest[rest > WHOLE * found]
-        if len(more) < (1.0 - MOSTLY) * len(steps):
-            return found
-        steps = more[more > rounding]
+        rest = _rest(steps, found)
+        steps = rest[rest > max(WHOLE * found, rounding)]
     return rounding
+
+
+def _mean_digit(steps: Array, least: float) -> float:
+    """Digit of all steps from the least of them: of a few digits first, whose number is sure."""
+    for reach in REACHES:
+        near = steps[steps < reach * least]
+        least = float(near.sum() / np.round(near / least).sum())
+    return least
+
+
+def _rest(steps: Array, digit: float) -> Array:
+    """What lacks of a whole number of digits, or is beyond it."""
+    return np.asarray(np.abs(steps - digit * np.round(steps / digit)))
 
 
 def neighbour_noise(signal: Array) -> Array:
