@@ -184,7 +184,8 @@ def test_friction_within_the_data_sheet_stands_out_no_further(cases: dict[str, C
     made = cases["clean/0"].made
     first = made.runs[0]
     columns = friction_columns(made.arm, IDENTIFICATION, first)
-    static, coulomb = columns[:, :, 6 + 4], columns[:, :, 12 + 4]
+    static = columns[:, :, 6 + 4]
+    coulomb = columns[:, :, 12 + 4]
     torques = [5.0 * coulomb, 3.0 * coulomb - 2.0 * static]
     errors = made.reading.torque_errors(np.random.default_rng(0), 20000)
     states = states_in_log(first)
