@@ -11,6 +11,8 @@ NUMBER = r"([-+]?(?:\d+\.?\d*|\.\d+)(?:E[-+]\d{2,3}(?![\d.]))?)"
 _VALUE = r"(\[[^()]*\])"
 # an angle to turn to, in G91 too: C=DC(30), C=AC(30)
 TO_ANGLE = "TOANGLE"
+# a tool called by its name, as a comment: words of a block are numbers
+CALLED_TOOL = "TOOL CALLED BY NAME:"
 # transformation, acceleration, feed, compression, dynamics, look-ahead, approach, protected zones
 _QUIET = """SOFT BRISK DRIVE FFWON FFWOF COMPCAD COMPON COMPCURV COMPOF COMPSURF COMPPATH FNORM FLIN
 CFC CFTCP CFIN ORIWKS ORIMKS ORIAXES ORIVECT ORIPLANE ORIPATH ORIEULER ORIRPY2 ORIRPY ORIVIRT1
@@ -37,7 +39,7 @@ _FIXED_POINT = re.compile(
 _REWRITTEN = (
     (re.compile(r'\bMSG\s*\(\s*"([^"]*)"\s*\)', re.IGNORECASE), r"(MSG, \1)"),
     (re.compile(r"\bMSG\s*\(\s*\)", re.IGNORECASE), ""),
-    (re.compile(r'\bT\s*=\s*"([^"]*)"', re.IGNORECASE), r"(TC: \1)"),
+    (re.compile(r'\bT\s*=\s*"([^"]*)"', re.IGNORECASE), rf"({CALLED_TOOL} \1)"),
     (re.compile(rf"\b([IJK])\s*=\s*AC\s*\(\s*{_VALUE}\s*\)", re.IGNORECASE), r"\1AC=\2"),
     (re.compile(r"\bCYCLE832\s*\([^()]*\)", re.IGNORECASE), ""),
     (
