@@ -121,3 +121,19 @@ def test_without_lengths_the_height_beside_g49_is_the_tips(tmp_path: Path) -> No
     file.write_text(f"G21 G90\nG0 G40 G49 G80 Z9\n{PART.format(length='')}G0 G49 Z30\nM30\n")
     heights = (1e3 * read_program(file).operation().path.position[:, 2]).round(6)
     assert np.allclose(np.unique(heights), [-5, 3, 9, 30])
+
+
+@pytest.mark.parametrize(
+    ("end", "heights"),
+    [
+        ("G0 D0 Z0\n", [9, -5, -5, 3]),
+        ("SUPA G0 Z0 D0\n", [9, -5, -5, 3]),
+        ("G0 D1 Z30\n", [9, -5, -5, 3, 30]),
+    ],
+)
+def test_a_height_beside_d0_is_the_spindles(tmp_path: Path, end: str, heights: list[float]) -> None:
+    file = tmp_path / "part.mpf"
+    file.write_text(f"G17 G90 G71 G54\nT1 D1\nM6\n{PART.format(length='')}{end}M30\n")
+    found = read_program(file)
+    assert np.allclose(1e3 * found.operation().path.position[:, 2], heights)
+    assert ("Z beside D0" in str(found.of_kind("assumed"))) is end.startswith("G0 D0")

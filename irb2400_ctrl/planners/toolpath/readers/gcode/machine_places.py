@@ -6,6 +6,7 @@ from collections.abc import Iterable
 
 from irb2400_ctrl.planners.toolpath.readers.gcode.blocks import Block
 from irb2400_ctrl.planners.toolpath.readers.gcode.codes import moves
+from irb2400_ctrl.planners.toolpath.readers.gcode.cycles import CYCLES
 from irb2400_ctrl.planners.toolpath.readers.gcode.motion import GcodeMotion
 from irb2400_ctrl.planners.toolpath.readers.gcode.state import AXES, ROTARY, GcodeState
 from irb2400_ctrl.planners.toolpath.readers.program_builder import ProgramBuilder
@@ -29,20 +30,24 @@ class MachinePlaces:
         self._counts_lengths = bool(LENGTHS & found)
 
     def without_height(self, codes: list[float], values: dict[str, float]) -> dict[str, float]:
-        """The values without the Z of `G49 Z0`: the spindle goes there, no tip of a tool."""
+        """The values without the Z of `G49 Z0`, on a control of Siemens of `D0 Z0`: the spindle
+        goes there, no tip of a tool."""
         machine = {28, 30, 53} & set(codes)
-        if not (self._counts_lengths and 49 in codes and "Z" in values) or machine:
+        ends = "G49" if self._counts_lengths and 49 in codes else ""
+        if self._state.siemens and values.get("D") == 0.0 and not CYCLES.keys() & set(codes):
+            ends = "D0"
+        if not ends or "Z" not in values or machine:
             return values
         self._builder.assume(
-            "Z beside G49, which ends the tool's length: a height of the spindle; the robot does "
-            "not go there"
+            f"Z beside {ends}, which ends the tool's length: a height of the spindle; the robot "
+            "does not go there"
         )
         self._builder.leave()
         self._state.lose({"Z"})
         return {name: value for name, value in values.items() if name != "Z"}
 
     def go(self, codes: list[float], values: dict[str, float]) -> None:
-        """G28, G30, G53, with 53 among the codes for SUPA."""
+        """G28, G30, G53 (SUPA)."""
         state = self._state
         builder = self._builder
         if 53 in codes and not moves(values):

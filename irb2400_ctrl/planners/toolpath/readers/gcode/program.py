@@ -173,6 +173,7 @@ class _Reader:
             builder.assume("lines behind // are comments")
         values = block.checked()
         codes = [round(code, 3) for code in block.codes("G")]
+        codes += [53.0] * ("SUPA" in block.orders)
         if self._motion.cycles.return_level(codes, values):
             return
         if {5, 5.1} & set(codes) and not moves(values, by_centre=True):
@@ -290,8 +291,8 @@ class _Reader:
         """Codes that take the axis words for something else; whether one did."""
         if self._frames.run(codes, values, orders):
             return True
-        if {28, 30, 53} & set(codes) or "SUPA" in orders:
-            self._places.go([53, *codes] if "SUPA" in orders else codes, values)
+        if {28, 30, 53} & set(codes):
+            self._places.go(codes, values)
             return True
         return 28.1 in codes
 
