@@ -94,6 +94,8 @@ def test_without_any_m6_the_word_t_changes_the_tool(tmp_path: Path) -> None:
         ('T="A"\nM6\nT="B"\n{cut}M6\n{cut}', [(None, "A"), (None, "B")]),
         ('T1\nM6\nT="B"\n{cut}M6\n{cut}', [(1, ""), (None, "B")]),
         ('T="A" M6\n{cut}T2\nM6\n{cut}', [(None, "A"), (2, "")]),
+        # with the number of the spindle
+        ('T1="A" M6\n{cut}T1=2 M6\n{cut}', [(None, "A"), (2, "")]),
         # on machines without M6 T changes the tool
         ('T="A" D1\n{cut}T="B" D1\n{cut}T="B" D1\n{cut}', [(None, "A"), (None, "B")]),
     ],

@@ -39,7 +39,7 @@ _FIXED_POINT = re.compile(
 _REWRITTEN = (
     (re.compile(r'\bMSG\s*\(\s*"([^"]*)"\s*\)', re.IGNORECASE), r"(MSG, \1)"),
     (re.compile(r"\bMSG\s*\(\s*\)", re.IGNORECASE), ""),
-    (re.compile(r'\bT\s*=\s*"([^"]*)"', re.IGNORECASE), rf"({CALLED_TOOL} \1)"),
+    (re.compile(r'\bT[1-9]?\s*=\s*"([^"]*)"', re.IGNORECASE), rf"({CALLED_TOOL} \1)"),
     (re.compile(rf"\b([IJK])\s*=\s*AC\s*\(\s*{_VALUE}\s*\)", re.IGNORECASE), r"\1AC=\2"),
     (re.compile(r"\bCYCLE832\s*\([^()]*\)", re.IGNORECASE), ""),
     (
@@ -63,8 +63,8 @@ _REWRITTEN = (
         ),
         "M19",
     ),
-    # the first spindle by its number: S1=5000 M1=3
-    (re.compile(r"(?<![A-Z_])([SM])[1-9]\s*=\s*(\d+\.?\d*)", re.IGNORECASE), r"\1\2"),
+    # the first spindle by its number: S1=5000 M1=3 T1=4
+    (re.compile(r"(?<![A-Z_])([SMT])[1-9]\s*=\s*(\d+\.?\d*)", re.IGNORECASE), r"\1\2"),
     (re.compile(r"\bG153\b", re.IGNORECASE), "SUPA"),
     (_SETTINGS, ""),
 )
