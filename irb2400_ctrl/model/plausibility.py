@@ -39,8 +39,8 @@ LONGEST_CM = 300.0
 """one longer than this is that of no arm in centimetres, either [cm]"""
 HEAVIEST_KG = 5000.0
 """so is a heavier one"""
-FARTHEST_M = 20.0
-"""so is an arm that reaches further, the longest in space"""
+FARTHEST_M = 15.0
+"""so is an arm that reaches further"""
 SHORTEST_M = 0.05
 """an arm that reaches less far is more likely a slip of unit [m]"""
 CENTRED = (1e-6, 1e-3)
@@ -140,7 +140,9 @@ def _size(robot: Robot) -> list[str]:
     """An arm that would stand on a fingertip, or one of short links that reaches over houses."""
     longest = max(float(np.linalg.norm(link.frame.matrix()[:3, 3])) for link in robot.links)
     if longest <= LONGEST_M and robot.reach > FARTHEST_M:
-        return [f"the arm reaches {robot.reach:.3g} m; its lengths look like cm read as metres"]
+        return [
+            f"the arm reaches {robot.reach:.3g} m; its lengths look like cm or dm read as metres"
+        ]
     if not 0.0 < robot.reach < SHORTEST_M:
         return []
     return [f"the arm reaches {1e3 * robot.reach:.3g} mm; its lengths look like metres read as mm"]

@@ -268,7 +268,7 @@ def test_lengths_in_centimetres_are_asked_about(tmp_path: Path) -> None:
 
     assert not said(1.0)
     assert any("further on; it looks like mm or cm" in note for note in said(100.0))
-    assert any("lengths look like cm read as metres" in note for note in said(20.0))
+    assert any("lengths look like cm or dm read as metres" in note for note in said(20.0))
 
 
 def test_sdf_is_answered_with_what_to_import(tmp_path: Path) -> None:
