@@ -208,7 +208,8 @@ class _Reader:
         if block.call is not None:
             self._motion.cycles.call(block.call)
         self._machine.after(functions)
-        self.ended = bool({2, 30, 99} & set(functions))
+        ends = {2, 17, 30, 99} if self._state.siemens else {2, 30, 99}
+        self.ended = bool(ends & set(functions))
         self._again = 99 in functions
 
     def _modes(self, codes: list[float], values: dict[str, float]) -> None:

@@ -66,6 +66,8 @@ _REWRITTEN = (
     # the first spindle by its number: S1=5000 M1=3 T1=4
     (re.compile(r"(?<![A-Z_])([SMT])[1-9]\s*=\s*(\d+\.?\d*)", re.IGNORECASE), r"\1\2"),
     (re.compile(r"\bG153\b", re.IGNORECASE), "SUPA"),
+    # the end of a sub-program that none calls: it is the file's program
+    (re.compile(r"\bRET\b(?!\s*[(=])", re.IGNORECASE), "M17"),
     (_SETTINGS, ""),
 )
 # brackets of Siemens' expressions are round, as comments are
@@ -73,7 +75,7 @@ _ROUND = re.compile(
     r"(?:[=+\-*/\[,]|\b(?:A?SIN|A?COS|TAN|ATAN2|SQRT|ABS|ROUND|TRUNC|POT))\s*\(", re.IGNORECASE
 )
 _PLACE = re.compile(r"=\s*(?:IC|DC|AC[PN]?)\s*\((?!\s*\[)", re.IGNORECASE)
-_BEGINS = re.compile(r"[=(]|\bG(?:153|75)\b", re.IGNORECASE)
+_BEGINS = re.compile(r"[=(]|\b(?:G153|G75|RET)\b", re.IGNORECASE)
 
 
 def rewritten(raw: str) -> str:
