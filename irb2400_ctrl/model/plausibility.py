@@ -35,8 +35,12 @@ STUCK = 0.5
 """friction over torque limit above which a joint would hardly move [-]"""
 LONGEST_M = 10.0
 """a link longer than this is more likely a slip of unit [m]"""
+LONGEST_CM = 300.0
+"""one longer than this is that of no arm in centimetres, either [cm]"""
 HEAVIEST_KG = 5000.0
 """so is a heavier one"""
+FARTHEST_M = 15.0
+"""so is an arm that reaches further"""
 SHORTEST_M = 0.05
 """an arm that reaches less far is more likely a slip of unit [m]"""
 CENTRED = (1e-6, 1e-3)
@@ -60,12 +64,15 @@ def plausibility(robot: Robot) -> list[str]:
     for link in robot.links:
         length = float(np.linalg.norm(link.frame.matrix()[:3, 3]))
         if length > LONGEST_M:
-            notes.append(f"{link.name}: its joint is {length:.4g} m further on; it looks like mm")
+            unit = "mm" if length > LONGEST_CM else "mm or cm"
+            notes.append(
+                f"{link.name}: its joint is {length:.4g} m further on; it looks like {unit}"
+            )
         notes += _body(link.name, link.body, most)
     notes += _masses(robot)
     notes += too_dense(robot)
     notes += _about_the_frames(robot)
-    notes += _small(robot) or _centred(robot)
+    notes += _size(robot) or _centred(robot)
     notes += _beside(robot) or _weight(robot)
     notes += _friction(robot)
     notes += _rotors(robot)
@@ -129,8 +136,13 @@ def _beside(robot: Robot) -> list[str]:
     ]
 
 
-def _small(robot: Robot) -> list[str]:
-    """An arm that would stand on a fingertip."""
+def _size(robot: Robot) -> list[str]:
+    """An arm that would stand on a fingertip, or one of short links that reaches over houses."""
+    longest = max(float(np.linalg.norm(link.frame.matrix()[:3, 3])) for link in robot.links)
+    if longest <= LONGEST_M and robot.reach > FARTHEST_M:
+        return [
+            f"the arm reaches {robot.reach:.3g} m; its lengths look like cm or dm read as metres"
+        ]
     if not 0.0 < robot.reach < SHORTEST_M:
         return []
     return [f"the arm reaches {1e3 * robot.reach:.3g} mm; its lengths look like metres read as mm"]

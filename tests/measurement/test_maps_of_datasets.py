@@ -3,6 +3,7 @@ controllers that call a current `i`, humanoids, arms whose angles jump by a whol
 
 from __future__ import annotations
 
+import re
 import warnings
 from pathlib import Path
 
@@ -266,3 +267,23 @@ def test_angles_that_are_called_as_their_joints(side: str, tmp_path: Path) -> No
         read_log(path, names=names)
     (tmp_path / "map.toml").write_text(str(refused.value).split("check them:\n\n")[1], "utf-8")
     same(read_log(path, columns=tmp_path / "map.toml"), LOG)
+
+
+@pytest.mark.parametrize(
+    ("angle", "command"),
+    [
+        ("robot_state.q_{j}", "robot_state.q_d_{j}"),
+        ("/arm_states/position_{j}", "/arm_states/target_pos_{j}"),
+        ("controller_state/feedback/positions[{j}]", "controller_state/output/positions[{j}]"),
+    ],
+)
+def test_a_command_in_a_state_is_a_command(angle: str, command: str, tmp_path: Path) -> None:
+    """The word "state" took it for a measured angle."""
+    torque = re.sub(r"q_|position_|positions", "torque_", angle)
+    told = {"stamp": T, command: Q + 0.1, angle: Q, torque: TAU}
+    path = written(tmp_path / "log.csv", told)
+    assert f'file = "{command}"\nquantity = "q_ref"' in shown(path)
+    found = read_log(path, columns=tmp_path / "map.toml")
+    same(found, LOG)
+    assert found.q_ref is not None
+    np.testing.assert_allclose(found.q_ref, Q + 0.1, atol=1e-9)

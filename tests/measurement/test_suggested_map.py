@@ -170,7 +170,10 @@ def test_no_map_is_shown_where_names_do_not_tell_it(columns: dict, tmp_path: Pat
 
 
 @pytest.mark.parametrize("scale", [1.0, 1e3, 1e6])
-@pytest.mark.parametrize("form", ["state.{}[{{j0}}]", "{}[{{j0}}]", "{}_{{j0}}", "field.{}{{j0}}"])
+@pytest.mark.parametrize(
+    "form",
+    ["state.{}[{{j0}}]", "{}[{{j0}}]", "{}_{{j0}}", "field.{}{{j0}}", "/x/franka_states/{}.{{j0}}"],
+)
 def test_names_of_franka_are_known(form: str, scale: float, tmp_path: Path) -> None:
     """`tau_J` on the link's side, not what is commanded or estimated; time in milliseconds."""
     columns = {"time": scale * T, "success_rate": T}

@@ -253,3 +253,26 @@ def test_speeds_in_degrees_are_one_line(tmp_path: Path) -> None:
     path.write_text(text.replace('velocity="90"', 'velocity="180"'))
     (unknown,) = [note for note in import_robot(path).notes if "speed limit" in note]
     assert "speed limit is 180 rad/s in the file, more than any arm's, taken as unknown" in unknown
+
+
+def test_lengths_in_centimetres_are_asked_about(tmp_path: Path) -> None:
+    """Of a large arm one link tells it, of a small one all of them together."""
+
+    def said(factor: float) -> list[str]:
+        text = re.sub(
+            r'(<origin xyz=")([^"]+)("[^>]*/><axis)',
+            lambda m: f"{m[1]}{' '.join(f'{factor * float(v)!r}' for v in m[2].split())}{m[3]}",
+            UR5,
+        )
+        return [note for note in plausibility(read(text, tmp_path)) if " cm" in note]
+
+    assert not said(1.0)
+    assert any("further on; it looks like mm or cm" in note for note in said(100.0))
+    assert any("lengths look like cm or dm read as metres" in note for note in said(20.0))
+
+
+def test_sdf_is_answered_with_what_to_import(tmp_path: Path) -> None:
+    path = tmp_path / "arm.sdf"
+    path.write_text('<sdf version="1.6"><model name="arm"><link name="base"/></model></sdf>')
+    with pytest.raises(InputError, match=r"SDF is not read: import the URDF .*sdf2mjcf"):
+        import_robot(path)

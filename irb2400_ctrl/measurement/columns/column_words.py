@@ -13,9 +13,11 @@ OTHERS = re.compile(
 )
 COMMANDED = re.compile(
     r"ref|cmd|comm|action|target|des|goal|set|soll|plan(?!e)|nominal|comput|aspos|[a-z]_d(?![a-z])"
-    r"|(?<![a-z])opt(?![a-z])|指令|目標|consigne"
+    r"|(?<![a-z])opt(?![a-z])|(?<![a-z])output[./]|指令|目標|consigne"
 )
-MEASURED = re.compile(r"act(?!uator|ion)|meas|msr|mes|real|(?<!wr)ist|fb|feed|state")
+_MEASURED = re.compile(r"act(?!uator|ion)|meas|msr|mes|real|(?<!wr)ist|fb|feed")
+_STATE = "state"
+"""of what is measured, too, but for what follows: the command of `franka_states/q_d`"""
 TORQUE = (
     r"tau|τ|torq|trq|tq|mom|qfrc|(?<![a-z])(tor|couple|coppia|par)(?![a-z])"
     r"|トルク|扭矩|力矩|转矩|토크"
@@ -61,6 +63,17 @@ MOTOR = re.compile(r"moto|moteur|resolver|rotor|(?<![a-z])(mot(?![a-z])|m(?=pos|
 """words of what may be on the motor's side"""
 
 
+def is_measured(words: str) -> bool:
+    """Whether a name, in small letters, says that it was measured."""
+    _, state, behind = words.rpartition(_STATE)
+    return _MEASURED.search(words) is not None or (bool(state) and not COMMANDED.search(behind))
+
+
+def is_commanded(words: str) -> bool:
+    """Whether it says that it was commanded."""
+    return COMMANDED.search(words) is not None and not is_measured(words)
+
+
 def meaning(pattern: str) -> tuple[str, int]:
     """What a name means, and how surely: 0 where it says measured, 2 of a commanded torque or a
     current; "" where it is of another thing, or does not tell."""
@@ -70,7 +83,7 @@ def meaning(pattern: str) -> tuple[str, int]:
     meant = next((q for q, known in QUANTITIES.items() if re.search(known, words)), "")
     if not meant or OTHERS.search(words):
         return "", 3
-    if MEASURED.search(words):
+    if is_measured(words):
         return meant, int(meant == "tau" and AMPERE.search(words) is not None)
     if COMMANDED.search(words):
         # some controllers record no other torque

@@ -44,7 +44,7 @@ _RTDE_SIGNALS = {
     "actual_current_as_torque": "tau",
 }
 _FRANKA = re.compile(
-    r"(?:(?:state|field|.*/franka_states)[./])?(q|dq|q_d|tau_J)(?:\[(\d)\]|_?(\d))"
+    r"(?:(?:state|field|.*/franka_states)[./])?(q|dq|q_d|tau_J)(?:\[(\d)\]|[._]?(\d))"
 )
 _FRANKA_SIGNALS = {"q": "q", "dq": "qd", "q_d": "q_ref", "tau_J": "tau"}
 _NAMED = re.compile(r"(?P<joint>.*[^/.])[/.](?P<word>position|velocity|effort)")

@@ -17,9 +17,7 @@ from irb2400_ctrl.measurement.columns.axis_letters import lettered
 from irb2400_ctrl.measurement.columns.column_map import TURN
 from irb2400_ctrl.measurement.columns.column_words import (
     AMPERE,
-    COMMANDED,
     DEGREE_OR_RAD,
-    MEASURED,
     MOTOR,
     NEWTON_METRES,
     PULSES,
@@ -27,6 +25,7 @@ from irb2400_ctrl.measurement.columns.column_words import (
     TIME,
     TURNS,
     TURNS_A_MINUTE,
+    is_commanded,
     meaning,
 )
 from irb2400_ctrl.measurement.columns.interleaved import interleaved, place_of
@@ -118,7 +117,7 @@ def _choices(
             chosen[quantity] = (told, doubt, len(pattern), pattern)
     for name, signals in lists.items():
         words = name.lower()
-        commanded = COMMANDED.search(words) and not MEASURED.search(words)
+        commanded = is_commanded(words)
         # what a command holds beside angles is seldom more than zeros
         for k, quantity in enumerate(
             ("q_ref",) if commanded else ("q", "qd", "tau")[: len(signals)]
@@ -304,6 +303,5 @@ def _unit_of_torque(words: str, gear: str, motor: list[str]) -> list[str]:
     said = "" if stated is None else stated[0]
     unit = {"k": "kNm", "m": "mNm"}.get(said[:1], "Nm")
     factor = ["factor = 0.01   # of Ncm"] * (said == "ncm")
-    commanded = COMMANDED.search(words) is not None and MEASURED.search(words) is None
-    doubt = "   # commanded, or of the controller's model: not measured" * commanded
+    doubt = "   # commanded, or of the controller's model: not measured" * is_commanded(words)
     return [f'unit = "{unit}"{doubt}', *factor, *motor]

@@ -15,6 +15,11 @@ from irb2400_ctrl.robot.importing.mjcf_file import read_mjcf
 from irb2400_ctrl.robot.importing.tree import Tree
 from irb2400_ctrl.robot.importing.urdf_file import read_urdf
 
+SDF = (
+    "; Gazebo's SDF is not read: import the URDF that it was made of, or an MJCF of it (`sdf2mjcf "
+    "arm.sdf arm.xml` of sdformat-mjcf; check its limits, friction and damping)"
+)
+
 
 def import_robot(
     path: Path | str,
@@ -65,6 +70,7 @@ def read_tree(path: Path, convention: str | None = None) -> Tree:
         raise InputError(
             f"{path}: found <mujocoinclude>, a part of an MJCF; import the file that includes it"
         )
+    hint = SDF if root.tag == "sdf" else ""
     raise InputError(
-        f"{path}: found <{root.tag}> at the top, expected <robot> (URDF) or <mujoco> (MJCF)"
+        f"{path}: found <{root.tag}> at the top, expected <robot> (URDF) or <mujoco> (MJCF){hint}"
     )

@@ -172,6 +172,9 @@ def test_points_that_state_the_axis_of_their_csys_are_in_one_frame(tmp_path: Pat
         TILTED.replace(",.6,0,.8\nGOTO/-2", "\nGOTO/-2"),
         TILTED.replace("-2,5,14,.6,0,.8", "-2,5,14,0,0,1"),
         TILTED.replace(".6,0,-1.", ".6,4,-1."),
+        # turned about z: in either frame the tool stands along 0,0,1
+        "TRNTYP/WORLD,0,0,0\nCSYS/0,-1.,0,0,1.,0,0,0,0,0,1.,0\nFEDRAT/60,MMPM\n"
+        "GOTO/12,5,16,0,0,1\nGOTO/6,5,8,0,0,1\n",
     ],
 )
 def test_other_points_behind_several_csys_are_refused(tmp_path: Path, text: str) -> None:

@@ -262,3 +262,21 @@ def test_a_hole_with_the_tool_not_along_z_is_refused(tmp_path: Path, name: str, 
     file.write_text(text)
     with pytest.raises(InputError, match="a cycle with the tool not along its Z"):
         read_program(file, rotary="C,A")
+
+
+@pytest.mark.parametrize(
+    ("word", "seconds", "told"),
+    [
+        ("P50", 0.05, "from 10 on, is in milliseconds"),
+        ("P500", 0.5, "from 10 on, is in milliseconds"),
+        ("P2", 2.0, "below 10, is in seconds"),
+        ("P0.5", 0.5, ""),
+    ],
+)
+def test_a_dwell_in_a_hole(tmp_path: Path, word: str, seconds: float, told: str) -> None:
+    """P50 stood in each hole for 50 s."""
+    read = program(tmp_path, f"{HEAD}S900 M3\nG82 X5 Y0 Z-5 R2 {word} F100\nG80\nM2\n")
+    events = read.operation().events
+    assert [event.seconds for event in events if event.kind == "dwell"] == [seconds]
+    notes = [note for note in map(str, read.of_kind("assumed")) if "P of a cycle" in note]
+    assert [told in note for note in notes] == [True] * bool(told)

@@ -304,3 +304,11 @@ def test_places_of_the_machine(tmp_path: Path) -> None:
 def test_what_is_not_read_says_so(tmp_path: Path, blocks: str, says: str) -> None:
     with pytest.raises(InputError, match=says):
         program(tmp_path, blocks)
+
+
+def test_what_shows_angles_or_parallel_axes_moves_nothing(tmp_path: Path) -> None:
+    cut = "5 L Z-1 F60\n6 L X+9\n"
+    told = f"4 FUNCTION PARAXCOMP DISPLAY Z W\n4 M94 C\n4 L M94 B C R0 FMAX\n{cut}"
+    assert np.allclose(points(tmp_path, told), points(tmp_path, cut))
+    with pytest.raises(InputError, match="found 'C'"):
+        program(tmp_path, f"4 M126 C\n{cut}")

@@ -218,3 +218,10 @@ def test_programs_without_an_end(
     assert len(operation(tmp_path, "L X+1 F60\n" * 60).path) > 60
     with pytest.raises(InputError, match="expected calls and jumps that end"):
         operation(tmp_path, f"L X+1 F60\n{body}")
+
+
+def test_a_depth_of_the_full_diameter_needs_the_table_of_tools(tmp_path: Path) -> None:
+    call = "5 L X+8 Y+9 R0 FMAX M99\n"
+    assert cuts(operation(tmp_path, defined(200, **COMMON, q395=0.0) + call)) == [-5]
+    with pytest.raises(InputError, match=r"Q395=1.* table of tools; expected .*Q395=0"):
+        operation(tmp_path, defined(200, **COMMON, q395=1.0) + call)

@@ -192,3 +192,14 @@ def test_heads_of_sub_programs_without_arguments(tmp_path: Path, head: str, call
 def test_a_frame_that_is_set_is_no_order_to_grbl(tmp_path: Path, block: str) -> None:
     with pytest.raises(InputError, match=r"line 3: found '\$P_PFRAME"):
         read(tmp_path, f"G54 G710\nG0 X0 Y0 Z9\n{block}\nG1 X5 F100\nM30\n")
+
+
+@pytest.mark.parametrize("end", ["RET", "N90 RET ; back", "M17"])
+def test_a_sub_program_that_none_calls_is_the_program(tmp_path: Path, end: str) -> None:
+    """Posts write operations so, for a main program on the control."""
+    file = tmp_path / "part.spf"
+    file.write_text(f"PROC PART\nG17 G90 G71 G54\nG0 X0 Y0 Z9\nG1 Z-1 F60\n{end}\nG1 X7\nM30\n")
+    found = read_program(file)
+    assert np.allclose(1e3 * found.operation().path.position, [[0, 0, 9], [0, 0, -1]])
+    assert "behind it are left out" in str(found.of_kind("assumed"))
+    assert "function of the machine" not in str(found.of_kind("assumed"))

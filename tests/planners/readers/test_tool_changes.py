@@ -85,3 +85,28 @@ def test_without_any_m6_the_word_t_changes_the_tool(tmp_path: Path) -> None:
     found = program(tmp_path, text.format("M6\nG0 X2 Y0 Z9\nG1 Z0\n"))
     assert [operation.tool.number for operation in found.operations] == [None, 2]
     assert "no M6" not in str(found.of_kind("assumed"))
+
+
+@pytest.mark.parametrize(
+    ("text", "tools"),
+    [
+        # the next tool is made ready while the first one cuts
+        ('T="A"\nM6\nT="B"\n{cut}M6\n{cut}', [(None, "A"), (None, "B")]),
+        ('T1\nM6\nT="B"\n{cut}M6\n{cut}', [(1, ""), (None, "B")]),
+        ('T="A" M6\n{cut}T2\nM6\n{cut}', [(None, "A"), (2, "")]),
+        # with the number of the spindle
+        ('T1="A" M6\n{cut}T1=2 M6\n{cut}', [(None, "A"), (2, "")]),
+        # on machines without M6 T changes the tool
+        ('T="A" D1\n{cut}T="B" D1\n{cut}T="B" D1\n{cut}', [(None, "A"), (None, "B")]),
+    ],
+)
+def test_a_tool_that_is_called_by_its_name(
+    tmp_path: Path, text: str, tools: list[tuple[int | None, str]]
+) -> None:
+    file = tmp_path / "part.mpf"
+    cut = "S900 M3\nG0 X0 Y0 Z9\nG1 Z-5 F100\nX5\n"
+    file.write_text(f"G17 G90 G71 G54\n{text.format(cut=cut)}M30\n")
+    found = read_program(file).operations
+    assert [(one.tool.number, one.tool.name) for one in found] == tools
+    told = [event.text for one in found for event in one.events if event.kind == "tool"]
+    assert told == [f"{'' if number is None else number}{name}" for number, name in tools]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 from command_line import irb2400
 
@@ -90,3 +91,49 @@ def test_path_show_prints_it(tmp_path: Path) -> None:
     (tmp_path / "part.cls").write_text(nx((1, "MILL_10", 50.0), (2, "DRILL_5", 160.0)))
     done = irb2400("path", "show", "part.cls", cwd=tmp_path)
     assert "lengths of tools in the file are not applied: tool 1 MILL_10 (50 mm)" in done.stdout
+
+
+PART = "G0 X0 Y0 S900 M3\n{length}Z9\nG1 Z-5 F100\nX5\nG0 Z3\n"
+
+
+@pytest.mark.parametrize(
+    ("end", "heights", "told"),
+    [
+        # without a length the spindle goes to zero, up where its axis begins
+        ("Y-7\nG49 Z0 M5\nX20\nM30\n", [9, -5, -5, 3, 3], True),
+        ("G49 G0 Y-7 Z40\nM30\n", [9, -5, -5, 3], True),
+        ("G91 G28 Z0 G49\nM30\n", [9, -5, -5, 3], False),
+        ("G49\nM30\n", [9, -5, -5, 3], False),
+    ],
+)
+def test_a_height_beside_g49_is_the_spindles(
+    tmp_path: Path, end: str, heights: list[float], told: bool
+) -> None:
+    file = tmp_path / "part.nc"
+    file.write_text(f"G21 G90 G40 G49 G80\n{PART.format(length='G43 H1 ')}{end}")
+    found = read_program(file)
+    assert np.allclose(1e3 * found.operation().path.position[:, 2], heights)
+    assert ("Z beside G49" in str(found.of_kind("assumed"))) is told
+
+
+def test_without_lengths_the_height_beside_g49_is_the_tips(tmp_path: Path) -> None:
+    file = tmp_path / "part.nc"
+    file.write_text(f"G21 G90\nG0 G40 G49 G80 Z9\n{PART.format(length='')}G0 G49 Z30\nM30\n")
+    heights = (1e3 * read_program(file).operation().path.position[:, 2]).round(6)
+    assert np.allclose(np.unique(heights), [-5, 3, 9, 30])
+
+
+@pytest.mark.parametrize(
+    ("end", "heights"),
+    [
+        ("G0 D0 Z0\n", [9, -5, -5, 3]),
+        ("SUPA G0 Z0 D0\n", [9, -5, -5, 3]),
+        ("G0 D1 Z30\n", [9, -5, -5, 3, 30]),
+    ],
+)
+def test_a_height_beside_d0_is_the_spindles(tmp_path: Path, end: str, heights: list[float]) -> None:
+    file = tmp_path / "part.mpf"
+    file.write_text(f"G17 G90 G71 G54\nT1 D1\nM6\n{PART.format(length='')}{end}M30\n")
+    found = read_program(file)
+    assert np.allclose(1e3 * found.operation().path.position[:, 2], heights)
+    assert ("Z beside D0" in str(found.of_kind("assumed"))) is end.startswith("G0 D0")

@@ -17,7 +17,8 @@ SAME = 1e-5
 def in_one_frame(statements: Iterable[object]) -> bool:
     """Whether the points are in one frame and `CSYS/` only says how the part stands: behind each
     `CSYS/` that turns, every `GOTO/` has i,j,k, and they are the z axis of `CSYS/` seen from that
-    frame (in its own frame they would be 0,0,1). All have the same zero.
+    frame (in its own frame they would be 0,0,1, so that one which turns about z alone tells
+    nothing). All have the same zero.
     """
     try:
         return _stated([s for s in statements if isinstance(s, Statement)])
@@ -29,6 +30,7 @@ def in_one_frame(statements: Iterable[object]) -> bool:
 def _stated(statements: list[Statement]) -> bool:
     X = np.eye(4)
     systems = []
+    told = False
     for statement in statements:
         if statement.word == "CSYS":
             X = frames.of_rows(statement.numbers(), 1.0)
@@ -38,7 +40,8 @@ def _stated(statements: list[Statement]) -> bool:
             values = statement.numbers()
             if len(values) != 6 or not np.allclose(values[3:], X[:3, 2], atol=SAME):
                 return False
-    if len(systems) < 2:
+            told |= not np.allclose(X[:3, 2], (0.0, 0.0, 1.0), atol=SAME)
+    if len(systems) < 2 or not told:
         return False
     spread = np.ptp(systems, axis=0)
     return bool(spread[:3, 3].max() < SAME < spread[:3, :3].max())

@@ -32,6 +32,8 @@ CYCLES = {
 # words besides: the way aside of fine boring, how fast the tap turns back (Haas)
 _AND_MORE = {**dict.fromkeys(map(float, CYCLES), ""), 76: "IJ", 74: "J", 84: "J"}
 MOST_REPEATS = 10_000
+LONGEST_IN_A_HOLE = 10.0
+"""P of a cycle from here on is none in seconds"""
 NOT_CARRIED_OUT = {
     "CYCLE84": "the spindle is not turned the other way for the way out",
     "CYCLE86": "straight out of the hole; the spindle is not stopped and turned to POSS, and the "
@@ -228,11 +230,20 @@ class GcodeCycles:
             0.0,
             up,
             (words["Q"],) if motion in {73, 83} else (),
-            dwell_seconds(words.get("P", 0.0)) if motion in DWELLING else 0.0,
+            self._dwell(words.get("P", 0.0)) if motion in DWELLING else 0.0,
             None,
             f"G{motion:g}",
         )
         drill_along_z(self._builder, state, cycle, (x, y, level))
+
+    def _dwell(self, stated: float) -> float:
+        """P of a cycle as a time [s]: nobody turns a drill in a hole for ten seconds."""
+        seconds = dwell_seconds(stated, LONGEST_IN_A_HOLE)
+        if seconds != stated:
+            self._builder.assume(f"P of a cycle, from {LONGEST_IN_A_HOLE:g} on, is in milliseconds")
+        elif stated >= 1:
+            self._builder.assume(f"P of a cycle, below {LONGEST_IN_A_HOLE:g}, is in seconds")
+        return seconds
 
     def call(self, call: HoleCall) -> None:
         """CYCLE81(…) here, MCALL CYCLE81(…) after each of the next moves and at the places of
@@ -308,6 +319,6 @@ def drill_along_z(
     state.at = [x, y, z + cycle.retract]
 
 
-def dwell_seconds(stated: float) -> float:
-    """A dwell [s]: milliseconds (Fanuc) where the number is 100 or more, else seconds."""
-    return stated / 1000 if stated >= 100 else stated
+def dwell_seconds(stated: float, longest: float = 100.0) -> float:
+    """A dwell [s]: milliseconds (Fanuc) where the number is `longest` or more, else seconds."""
+    return stated / 1000 if stated >= longest else stated

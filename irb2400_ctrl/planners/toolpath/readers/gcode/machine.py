@@ -12,6 +12,7 @@ from irb2400_ctrl.planners.toolpath.readers.feed import INCH, MM
 from irb2400_ctrl.planners.toolpath.readers.gcode.blocks import Block
 from irb2400_ctrl.planners.toolpath.readers.gcode.cycles import dwell_seconds
 from irb2400_ctrl.planners.toolpath.readers.gcode.frames import PROGRAMMED
+from irb2400_ctrl.planners.toolpath.readers.gcode.siemens_words import CALLED_TOOL
 from irb2400_ctrl.planners.toolpath.readers.gcode.state import COOLANT, GcodeState
 from irb2400_ctrl.planners.toolpath.readers.program_builder import ProgramBuilder
 
@@ -70,9 +71,9 @@ class GcodeMachine:
         # M204 T500 and its like are settings of printers
         if "T" in values and max(functions, default=0) < 100:
             state.next_tool = int(values["T"])
-            if self._changes_at_t and 0 != state.next_tool != builder.tool.number:
-                builder.assume("no M6 in the whole file: T itself changes the tool")
-                self._change()
+            state.next_name = ""
+            if 0 != state.next_tool != builder.tool.number:
+                self._change_at_t()
         if 6 in functions:
             self._change()
         if "S" in values:
@@ -88,6 +89,7 @@ class GcodeMachine:
     def make_ready(self, tool: int) -> None:
         """The second tool of T1 T2 M6 comes with the next M6."""
         self._state.next_tool = tool
+        self._state.next_name = ""
         self._builder.assume(
             "T1 T2 M6: the first tool is changed to, the second made ready (Mazak)"
         )
@@ -115,6 +117,9 @@ class GcodeMachine:
     def comment(self, text: str) -> None:
         """FreeCAD names operations and tools in comments; messages are for the operator."""
         builder = self._builder
+        if text.startswith(CALLED_TOOL):
+            self._call(text.removeprefix(CALLED_TOOL).strip())
+            return
         begin = BEGIN.match(text)
         name = TOOL_NAME.match(begin.group(1) if begin else text)
         hidden = HIDDEN_CHANGE.match(text)
@@ -204,7 +209,21 @@ class GcodeMachine:
         builder = self._builder
         known = builder.tool if builder.tool_described else Tool()
         self._state.turning &= not builder.moved
-        builder.change_tool(replace(known, number=self._state.next_tool))
+        name = self._state.next_name or known.name
+        builder.change_tool(replace(known, number=self._state.next_tool, name=name))
+
+    def _change_at_t(self) -> None:
+        """The change of tool that T is in a file without M6."""
+        if self._changes_at_t:
+            self._builder.assume("no M6 in the whole file: T itself changes the tool")
+            self._change()
+
+    def _call(self, name: str) -> None:
+        """A tool by its name, for the next M6 (Siemens)."""
+        self._state.next_tool = None
+        self._state.next_name = name
+        if name != self._builder.tool.name:
+            self._change_at_t()
 
     def _function(self, function: int) -> None:
         builder = self._builder
@@ -239,7 +258,7 @@ class GcodeMachine:
             builder.assume("M99: the control begins again here; carried out once")
         elif function in {48, 49}:
             builder.ignore(f"M{function}")
-        elif function not in {2, 6, 30, *STOPS}:
+        elif function not in {2, 6, 30, *STOPS} and not (function == 17 and self._state.siemens):
             builder.assume(f"M{function}: a function of the machine, not carried out")
 
     def _control_tool_centre(self, *, on: bool) -> None:

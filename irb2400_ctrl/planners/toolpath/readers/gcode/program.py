@@ -25,10 +25,11 @@ from irb2400_ctrl.planners.toolpath.readers.gcode.cycles import CYCLES
 from irb2400_ctrl.planners.toolpath.readers.gcode.decimal_points import without_point
 from irb2400_ctrl.planners.toolpath.readers.gcode.frames import GcodeFrames
 from irb2400_ctrl.planners.toolpath.readers.gcode.machine import GcodeMachine
+from irb2400_ctrl.planners.toolpath.readers.gcode.machine_places import MachinePlaces
 from irb2400_ctrl.planners.toolpath.readers.gcode.macros.variables import Variables
 from irb2400_ctrl.planners.toolpath.readers.gcode.motion import GcodeMotion
 from irb2400_ctrl.planners.toolpath.readers.gcode.rotary import LEFT_TURNED, Rotary
-from irb2400_ctrl.planners.toolpath.readers.gcode.state import AXES, ROTARY, SPLINES, GcodeState
+from irb2400_ctrl.planners.toolpath.readers.gcode.state import SPLINES, GcodeState
 from irb2400_ctrl.planners.toolpath.readers.gcode.subprograms import in_order
 from irb2400_ctrl.planners.toolpath.readers.gcode.swivel import swivel
 from irb2400_ctrl.planners.toolpath.readers.gcode.work_offsets import WorkOffsets
@@ -104,6 +105,7 @@ class _Reader:
         self._machine = GcodeMachine(builder, self._state)
         self._frames = GcodeFrames(builder, self._state)
         self._offsets = WorkOffsets(builder, self._state, frames)
+        self._places = MachinePlaces(builder, self._state, self._motion)
         self._moved = False
         self._again = False
         self.ended = False
@@ -134,6 +136,7 @@ class _Reader:
         if "Z" not in words and {"X", "Y"} & words:
             self._flat()
         self._machine.survey(listed)
+        self._places.survey(listed)
         self._motion.cycles.survey(listed)
 
     def _flat(self) -> None:
@@ -170,6 +173,7 @@ class _Reader:
             builder.assume("lines behind // are comments")
         values = block.checked()
         codes = [round(code, 3) for code in block.codes("G")]
+        codes += [53.0] * ("SUPA" in block.orders)
         if self._motion.cycles.return_level(codes, values):
             return
         if {5, 5.1} & set(codes) and not moves(values, by_centre=True):
@@ -187,7 +191,7 @@ class _Reader:
         if block.plane is not None:
             swivel(block.plane, self._state, builder)
         self._modes(codes, values)
-        values = without_owned(codes, values, builder)
+        values = self._places.without_height(codes, without_owned(codes, values, builder))
         self._machine.before(functions, values, block.orders)
         if block.ready is not None:
             self._machine.make_ready(block.ready)
@@ -204,7 +208,8 @@ class _Reader:
         if block.call is not None:
             self._motion.cycles.call(block.call)
         self._machine.after(functions)
-        self.ended = bool({2, 30, 99} & set(functions))
+        ends = {2, 17, 30, 99} if self._state.siemens else {2, 30, 99}
+        self.ended = bool(ends & set(functions))
         self._again = 99 in functions
 
     def _modes(self, codes: list[float], values: dict[str, float]) -> None:
@@ -287,8 +292,8 @@ class _Reader:
         """Codes that take the axis words for something else; whether one did."""
         if self._frames.run(codes, values, orders):
             return True
-        if {28, 30, 53} & set(codes) or "SUPA" in orders:
-            self._machine_place([53, *codes] if "SUPA" in orders else codes, values)
+        if {28, 30, 53} & set(codes):
+            self._places.go(codes, values)
             return True
         return 28.1 in codes
 
@@ -299,27 +304,6 @@ class _Reader:
             raise InputError("found axis words after G80; expected G0, G1, G2, G3 or a cycle")
         self._builder.assume(f"after G80 the motion before the cycle goes on (G{before})")
         self._state.motion = before
-
-    def _machine_place(self, codes: list[float], values: dict[str, float]) -> None:
-        """G28, G30, G53: places of the machine, which the robot has not."""
-        state = self._state
-        builder = self._builder
-        if 53 in codes and not moves(values):
-            return
-        named = [i for i, letter in enumerate(AXES) if letter in values]
-        through = state.absolute or any(values[AXES[i]] != 0 for i in named)
-        if 53 not in codes and named and through:
-            # they hold for their block alone: the motion in force goes on behind it
-            in_force = state.motion
-            state.motion = 0
-            self._motion.run(values)
-            state.motion = in_force
-        builder.assume("G28, G30, G53: places of the machine tool; the robot does not go there")
-        builder.leave()
-        state.lose({AXES[i] for i in named or range(3)})
-        if angles := set(ROTARY) & set(values):
-            state.rotary |= {name: values[name] if 53 in codes else 0.0 for name in angles}
-            state.left_turned = False
 
     def _set_motion(self, codes: list[float]) -> None:
         found = [code for code in codes if code in MOTION]

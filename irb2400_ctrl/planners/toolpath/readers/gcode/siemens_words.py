@@ -11,6 +11,8 @@ NUMBER = r"([-+]?(?:\d+\.?\d*|\.\d+)(?:E[-+]\d{2,3}(?![\d.]))?)"
 _VALUE = r"(\[[^()]*\])"
 # an angle to turn to, in G91 too: C=DC(30), C=AC(30)
 TO_ANGLE = "TOANGLE"
+# a tool called by its name, as a comment: words of a block are numbers
+CALLED_TOOL = "TOOL CALLED BY NAME:"
 # transformation, acceleration, feed, compression, dynamics, look-ahead, approach, protected zones
 _QUIET = """SOFT BRISK DRIVE FFWON FFWOF COMPCAD COMPON COMPCURV COMPOF COMPSURF COMPPATH FNORM FLIN
 CFC CFTCP CFIN ORIWKS ORIMKS ORIAXES ORIVECT ORIPLANE ORIPATH ORIEULER ORIRPY2 ORIRPY ORIVIRT1
@@ -37,7 +39,7 @@ _FIXED_POINT = re.compile(
 _REWRITTEN = (
     (re.compile(r'\bMSG\s*\(\s*"([^"]*)"\s*\)', re.IGNORECASE), r"(MSG, \1)"),
     (re.compile(r"\bMSG\s*\(\s*\)", re.IGNORECASE), ""),
-    (re.compile(r'\bT\s*=\s*"([^"]*)"', re.IGNORECASE), r"(TC: \1)"),
+    (re.compile(r'\bT[1-9]?\s*=\s*"([^"]*)"', re.IGNORECASE), rf"({CALLED_TOOL} \1)"),
     (re.compile(rf"\b([IJK])\s*=\s*AC\s*\(\s*{_VALUE}\s*\)", re.IGNORECASE), r"\1AC=\2"),
     (re.compile(r"\bCYCLE832\s*\([^()]*\)", re.IGNORECASE), ""),
     (
@@ -61,9 +63,11 @@ _REWRITTEN = (
         ),
         "M19",
     ),
-    # the first spindle by its number: S1=5000 M1=3
-    (re.compile(r"(?<![A-Z_])([SM])[1-9]\s*=\s*(\d+\.?\d*)", re.IGNORECASE), r"\1\2"),
+    # the first spindle by its number: S1=5000 M1=3 T1=4
+    (re.compile(r"(?<![A-Z_])([SMT])[1-9]\s*=\s*(\d+\.?\d*)", re.IGNORECASE), r"\1\2"),
     (re.compile(r"\bG153\b", re.IGNORECASE), "SUPA"),
+    # the end of a sub-program that none calls: it is the file's program
+    (re.compile(r"\bRET\b(?!\s*[(=])", re.IGNORECASE), "M17"),
     (_SETTINGS, ""),
 )
 # brackets of Siemens' expressions are round, as comments are
@@ -71,7 +75,7 @@ _ROUND = re.compile(
     r"(?:[=+\-*/\[,]|\b(?:A?SIN|A?COS|TAN|ATAN2|SQRT|ABS|ROUND|TRUNC|POT))\s*\(", re.IGNORECASE
 )
 _PLACE = re.compile(r"=\s*(?:IC|DC|AC[PN]?)\s*\((?!\s*\[)", re.IGNORECASE)
-_BEGINS = re.compile(r"[=(]|\bG(?:153|75)\b", re.IGNORECASE)
+_BEGINS = re.compile(r"[=(]|\b(?:G153|G75|RET)\b", re.IGNORECASE)
 
 
 def rewritten(raw: str) -> str:

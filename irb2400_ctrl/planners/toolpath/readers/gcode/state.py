@@ -52,6 +52,8 @@ class GcodeState:
     """the spindle is started (M3, M4), be its speed zero"""
     clockwise: bool = True
     next_tool: int | None = None
+    next_name: str = ""
+    """of a tool that is called by its name (T="…"): then it has no number"""
     work_offset: str = ""
     at: list[float | None] = field(default_factory=lambda: [None, None, None])
     """place in the (tilted) work frame [m]; None where the file has not stated it yet"""

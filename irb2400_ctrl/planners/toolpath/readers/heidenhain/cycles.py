@@ -132,6 +132,11 @@ class PlainCycles:
             )
         if defined.number == 240 and values.get(343, 0.0):
             raise InputError("CYCL DEF 240 by a diameter (Q343=1); expected its depth")
+        if values.get(395, 0.0):
+            raise InputError(
+                f"{defined.name} to a depth of the drill's full diameter (Q395=1): how far its tip "
+                "goes on is in the control's table of tools; expected the depth of the tip (Q395=0)"
+            )
         kind = KINDS[defined.number]
         if defined.number == 203 and values.get(213, 0.0):
             kind = "chip"

@@ -26,6 +26,10 @@ from irb2400_ctrl.planners.toolpath.readers.unread_line import UnreadLineError
 _MOVES = re.compile(r"^(LN|LP|L|CC|CR|CP|C)(?=\s|$)\s*(.*)$")
 _CYCLE = re.compile(r"^CYCLE?\s+DEF\s*(\d+)(?:\s*\.(\d+))?\s*(.*)$")
 _CALL = re.compile(r"^CYCLE?\s+CALL\s*(POS|PAT|M(?=\d))?\s*(.*)$")
+# kinds of machining, parallel axes that the file does not move, pulses, counters
+_QUIET_FUNCTION = re.compile(
+    r"FUNCTION\s+(MODE\s+MILL|PARAXCOMP|PROG\s+PATH|FEED|S-PULSE|DCM|COUNT)"
+)
 QUIET_CYCLES = {13: "orientation of the spindle", 32: "tolerance", 332: "tolerance"}
 MAKERS_END = 800
 """from here on cycles turn and mill where they are called"""
@@ -233,7 +237,7 @@ class _Reader:
             # angles in space turn about the fixed axes x, y, z
             space = re.search(r"AXIS\s+SPAT", code)
             self._motion.motion.steer(Rotary.of("C,B,A") if space else self._rotary)
-        elif re.match(r"FUNCTION\s+(MODE\s+MILL|PROG\s+PATH|FEED|S-PULSE|DCM|COUNT)", code):
+        elif _QUIET_FUNCTION.match(code):
             self._builder.ignore(code[:30])
         else:
             raise InputError(f"found {code[:30]!r}, which is not read")

@@ -17,6 +17,8 @@ _WORD = re.compile(
 _OWNERS = frozenset([103, 120, 128, 140])
 # how far the handwheel may move the axes behind M118
 _HANDWHEEL = frozenset("XYZABC")
+# M94 shows the angles of these axes within a turn, and turns none
+_SHOWN = re.compile(r"(?:\s+[ABC](?![\w+-]))+")
 # the tool's axis in the words of the G-code reader: as stated, or the normal of the surface
 VECTOR = dict(zip(("TX", "TY", "TZ"), ("A3", "B3", "C3"), strict=True))
 NORMAL = dict(zip(("NX", "NY", "NZ"), VECTOR.values(), strict=True))
@@ -82,6 +84,8 @@ def words_of(code: str) -> Words:
         value = float(number)
         if letter == "M":
             found.functions.append(int(value))
+            shown = _SHOWN.match(code, at) if value == 94 else None
+            at = at if shown is None else shown.end()
         elif letter == "MB":
             found.retreat = value
         elif _owned(letter, found.functions):
