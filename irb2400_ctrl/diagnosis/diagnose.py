@@ -8,7 +8,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from irb2400_ctrl.arrays import Array, Mask, one_thread, rms
+from irb2400_ctrl.arrays import Mask, one_thread, rms
 from irb2400_ctrl.diagnosis.at_rest import WORSE_AT_REST
 from irb2400_ctrl.diagnosis.bent_numbers import BENT, beside_noise
 from irb2400_ctrl.diagnosis.comparison.criteria import Criteria
@@ -19,10 +19,12 @@ from irb2400_ctrl.diagnosis.diagnosis import Comparison, Diagnosis
 from irb2400_ctrl.diagnosis.doubts import seldom_met, suspected
 from irb2400_ctrl.diagnosis.estimation.fit import Fit, Fitter
 from irb2400_ctrl.diagnosis.estimation.reversals import noisy_reversals_masked, reversal_rows
+from irb2400_ctrl.diagnosis.estimation.unsure import unsure_of
 from irb2400_ctrl.diagnosis.findings import findings_of, unexplained_of
+from irb2400_ctrl.diagnosis.friction_test import moved_as_all_friction
 from irb2400_ctrl.diagnosis.load_test import moved_as_by_a_load
 from irb2400_ctrl.diagnosis.log_errors import log_errors
-from irb2400_ctrl.diagnosis.numbers import friction_is_another, friction_level, numbers
+from irb2400_ctrl.diagnosis.numbers import Number, friction_is_another, friction_level, numbers
 from irb2400_ctrl.diagnosis.possible_bodies import (
     IMPOSSIBLE,
     turns_impossible,
@@ -170,15 +172,6 @@ def _has_room(motion: PreparedLog) -> None:
         )
 
 
-def _unsure(fit: Fit, motion: PreparedLog) -> Array:
-    """Standard error of the prediction from that of the robot's numbers, where the torque is known,
-    shape (n,) [Nm]."""
-    Z = fit.Z[:, :, : len(fit.z)]
-    variance = np.sum((Z @ fit.z_covariance) * Z, axis=2)
-    known = motion.at_rows(motion.known.astype(float))
-    return np.asarray(np.sqrt(np.sum(variance * known, axis=0) / np.maximum(known.sum(axis=0), 1)))
-
-
 def prior_of(robot: Robot, uncertainty: Uncertainty, motion: PreparedLog) -> AnyPrior:
     """What is left open about a robot's numbers: its identification's covariance, or a data
     sheet's spreads.
@@ -248,10 +241,10 @@ def _concluded(
     counts = _friction_counts(motion, given, augmented, compared) if change else motion.n * [True]
     told = numbers(prior, fit, later, change=change, friction_counts=np.array(counts))
     impossible = any(one.name in BODY for one in told) and turns_impossible(given, moved)
-    told = (*told, *moved_as_by_a_load(selection.scan, fitter, searched, change))
+    told = (*told, *_moved_together(selection, searched))
     if bent or selection.unsettled:
         told = tuple(one for one in told if one.list == "lacks")
-    unsure = _unsure(searched, motion)
+    unsure = unsure_of(searched, motion)
     noise = noise_test(fitter.robot, logs.used, motion, compared.after, unsure, fit.effects)
     names = findings_of(prior, steps, fit, fitter, selection.scan.load, change)
     weak = (
@@ -281,6 +274,12 @@ def _concluded(
         unsettled=selection.unsettled,
     )
     return replace(found, weak=(*found.weak, *_read_off(found, selection)))
+
+
+def _moved_together(selection: Selection, fit: Fit) -> tuple[Number, ...]:
+    """What many numbers moved as together: a load, all friction of a joint."""
+    load = moved_as_by_a_load(selection.scan, selection.fitter, fit, selection.change)
+    return (*load, *moved_as_all_friction(selection.fitter, fit, selection.change))
 
 
 def _read_off(found: Diagnosis, selection: Selection) -> list[str]:

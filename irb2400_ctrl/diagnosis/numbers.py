@@ -38,6 +38,8 @@ IDENTIFY = (
 )
 LOAD = "load_kg"
 """on the flange, beyond the tool's mass: what all numbers together moved as (`load_test.py`)"""
+RATIO = "friction_ratio"
+"""of all friction of a joint over that of a reference (`friction_test.py`)"""
 BENDS = "viscous_power"
 FRICTION = {"coulomb_Nm": 1, "viscous_Nms_rad": 2, "static_Nm": 0}
 """column of `Robot.friction` by name, in the order of the base"""
@@ -48,7 +50,8 @@ class Number:
     """One number of the robot file.
 
     Args:
-        place: `joint 2`, `link 3` or `tool`; name: with its unit, as BODY, FRICTION and LOAD.
+        place: `joint 2`, `link 3` or `tool`; name: with its unit, as BODY, FRICTION, LOAD and
+            RATIO.
         before: None where the file does not state it; after; standard_error: of after.
         sigmas: the change over what the file (or the reference) leaves open.
         list: "lacks": the file did not state it; "special": this arm has it otherwise; "changed":

@@ -7,6 +7,7 @@ from dataclasses import replace
 
 from irb2400_ctrl.diagnosis import Diagnosis, Number, diagnose
 from irb2400_ctrl.diagnosis.comparison.criteria import Criteria
+from irb2400_ctrl.diagnosis.numbers import RATIO
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.identification.identification import Identification
 from irb2400_ctrl.identification.identify import identify
@@ -66,7 +67,7 @@ def diagnose_change(
     before = diagnose(known.robot, logs)
     progress("diagnose")
     found = diagnose(robot, log, validation, before.robot, progress=progress)
-    unseen = unseen_error(known)
+    unseen = unseen_error(known, before)
     progress("leave out what the reference leaves too")
 
     def few(most: int) -> Diagnosis:
@@ -75,10 +76,11 @@ def diagnose_change(
     found = simplest(found, few, before, unseen)
     error = found.identification.error_before.rmse
     worse = worse_joints(error, found.least_floor, before, unseen)
+    stiffer = {number.place for number in found.numbers if number.name == RATIO}
     there = (*lacking(robot, known), *before.numbers)
     return replace(
         found,
-        numbers=tuple(n for n in found.numbers if has_changed(n, worse)),
+        numbers=tuple(n for n in found.numbers if has_changed(n, worse, stiffer)),
         usual_error=unseen,
         before=replace(before, numbers=there),
     )

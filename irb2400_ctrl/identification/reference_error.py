@@ -7,13 +7,14 @@ and today's log has to show more than that before anything has changed.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import replace
 
 import numpy as np
 
 from irb2400_ctrl.arrays import Array, Mask
 from irb2400_ctrl.diagnosis import Diagnosis, Number
+from irb2400_ctrl.diagnosis.numbers import FRICTION, RATIO
 from irb2400_ctrl.identification.identification import Identification
 
 WORSE = 1.3
@@ -22,12 +23,24 @@ LEAST = 0.1
 """of the noise floor: an S below that is not told from none"""
 
 
-def unseen_error(known: Identification) -> Array:
+def unseen_error(known: Identification, before: Diagnosis | None = None) -> Array:
     """RMSE on unseen stretches of the reference log that is worst on each joint, (n,) [Nm].
 
-    What one motion of that day leaves, another may leave today.
+    What one motion of that day leaves, another may leave today. An identification may smooth its
+    angles more strongly than today's are smoothed: what their noise adds to a reference log,
+    a_j^2 = RMSE_j^2 of its diagnosis - RMSE_j^2 of the fit, it adds to today's, too.
+
+    Args:
+        known: of the reference; before: the diagnosis of its logs against it.
     """
-    return np.asarray(np.max([log.error("unseen").rmse for log in known.logs], axis=0))
+    read = {} if before is None else {log.name: log.after.rmse for log in before.logs}
+    each = []
+    for log in known.logs:
+        unseen = log.error("unseen").rmse
+        if log.name in read:
+            unseen = np.hypot(unseen, _beyond(read[log.name], log.error("fitted").rmse))
+        each.append(unseen)
+    return np.asarray(np.max(each, axis=0))
 
 
 def worse_joints(error: Array, floor: Array, before: Diagnosis, unseen: Array) -> Mask:
@@ -62,8 +75,16 @@ def simplest(
     return found
 
 
-def has_changed(number: Number, worse: Mask) -> bool:
-    """Whether a number is that of a joint, or a body, which today's log shows otherwise."""
+def has_changed(number: Number, worse: Mask, told: Collection[str] = ()) -> bool:
+    """Whether a number is that of a joint, or a body, which today's log shows otherwise.
+
+    Args:
+        number: of the reference, and of today; worse: as `worse_joints`.
+        told: joints whose friction as a whole is told from the reference's along the motion: sample
+            by sample it need not be more than what the reference leaves.
+    """
+    if number.place in told and number.name in (*FRICTION, RATIO):
+        return True
     where, _, place = number.place.partition(" ")
     return bool(worse[int(place) - 1]) if where == "joint" else bool(worse.any())
 

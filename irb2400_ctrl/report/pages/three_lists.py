@@ -45,6 +45,7 @@ WORDS = {
     "rotor_kgm2": "rotor inertia [kg m2]",
     "mass_kg": "mass [kg]",
     "load_kg": "load beyond the mass [kg]",
+    "friction_ratio": "all friction over the reference's [-]",
     **{f"com_{axis}_m": f"centre of mass {axis} [m]" for axis in "xyz"},
     **{f"I{k}": f"inertia I{k} [kg m2]" for k in ("xx", "yy", "zz", "xy", "xz", "yz")},
 }
