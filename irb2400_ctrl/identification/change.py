@@ -67,7 +67,7 @@ def diagnose_change(
     before = diagnose(known.robot, logs)
     progress("diagnose")
     found = diagnose(robot, log, validation, before.robot, progress=progress)
-    unseen = unseen_error(known, before)
+    unseen = unseen_error(known, found.least_floor)
     progress("leave out what the reference leaves too")
 
     def few(most: int) -> Diagnosis:

@@ -15,6 +15,7 @@ import numpy as np
 from irb2400_ctrl.arrays import Array, Mask
 from irb2400_ctrl.diagnosis import Diagnosis, Number
 from irb2400_ctrl.diagnosis.numbers import FRICTION, RATIO
+from irb2400_ctrl.diagnosis.preparation.metrics import noise_floor
 from irb2400_ctrl.identification.identification import Identification
 
 WORSE = 1.3
@@ -23,22 +24,23 @@ LEAST = 0.1
 """of the noise floor: an S below that is not told from none"""
 
 
-def unseen_error(known: Identification, before: Diagnosis | None = None) -> Array:
+def unseen_error(known: Identification, floor: Array | None = None) -> Array:
     """RMSE on unseen stretches of the reference log that is worst on each joint, (n,) [Nm].
 
-    What one motion of that day leaves, another may leave today. An identification may smooth its
-    angles more strongly than today's are smoothed: what their noise adds to a reference log,
-    a_j^2 = RMSE_j^2 of its diagnosis - RMSE_j^2 of the fit, it adds to today's, too.
+    What one motion of that day leaves, another may leave today. An identification may smooth noisy
+    angles more strongly than a diagnosis does: what today's noise is more than that of a reference
+    log, as the fit saw it, is no more than usual either.
 
     Args:
-        known: of the reference; before: the diagnosis of its logs against it.
+        known: of the reference; floor: noise of today's log [Nm], (n,).
     """
-    read = {} if before is None else {log.name: log.after.rmse for log in before.logs}
     each = []
     for log in known.logs:
         unseen = log.error("unseen").rmse
-        if log.name in read:
-            unseen = np.hypot(unseen, _beyond(read[log.name], log.error("fitted").rmse))
+        if floor is not None:
+            step = float(np.median(np.diff(log.time)))
+            then = noise_floor(log.measured - log.fitted, log.known, step)
+            unseen = np.hypot(unseen, _beyond(floor, then))
         each.append(unseen)
     return np.asarray(np.max(each, axis=0))
 
