@@ -146,4 +146,5 @@ def motion_for(name: str) -> str:
         "far_coupling": f"joint {joint} and the next but one, first one at a time, then both",
         "motor": f"joint {joint} and those before it, first one at a time, then all",
         "balancer": f"slow turns of joint {joint} through all of its range",
+        "spring": f"slow turns of joint {joint} through all of its range",
     }.get(what, f"fast reversals of joint {joint}")

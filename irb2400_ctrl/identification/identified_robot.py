@@ -137,6 +137,10 @@ def _extra_effects(extra: Extra, numbers: Sequence[float] | Array) -> list[Effec
                 source="identified",
             )
         ]
+    if extra.kind == "spring":
+        # the angle without torque is in the offset
+        pull = LIBRARY["cable_spring"].of(joint, stiffness_Nm_rad=values[0], source="identified")
+        return [pull]
     if extra.kind == "motor":
         inertia, viscous, dry = values
         return [

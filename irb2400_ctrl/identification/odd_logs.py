@@ -52,15 +52,16 @@ LITTLE = 1e-3
 
 
 def odd_logs(found: Fit, parts: Sequence[Recording]) -> list[str]:
-    """What the reader should know of logs that disagree, by plain least squares on their sums.
+    """What the reader should know of logs that disagree, by plain least squares on their sums, with
+    the columns of what the arm has.
 
     Alone, every other second of a log is left by a fit to the seconds between: a short log, which
     alone fits anything, so accuses nobody.
     """
     if len(parts) < 2:
         return []
-    bare = ColumnLayout(found.layout.n)
-    sums = found.sums.part(bare.within(found.layout))
+    layout = found.layout
+    sums = found.sums
     blocks = [np.unique(part.block) for part in parts]
     each = [_rms(sums, own, _alone(sums, own)) for own in blocks]
     every = range(len(parts))
@@ -71,7 +72,7 @@ def odd_logs(found: Fit, parts: Sequence[Recording]) -> list[str]:
     place, joint = (int(k) for k in np.unravel_index(int(np.argmax(worst)), worst.shape))
     told = _told(parts, each, place, joint, float(worst[place, joint]))
     for terms, differ, agree in OF_THEIR_OWN:
-        if not _ratios_with_own(sums, blocks, each, _own_columns(bare, terms)).max() > TWICE:
+        if not _ratios_with_own(sums, blocks, each, _own_columns(layout, terms)).max() > TWICE:
             return loaded or [f"{differ}: {told}; {agree} What is written lies between"]
     if len(parts) == 2:
         names = " and ".join(part.motion.name for part in parts)
@@ -98,7 +99,7 @@ def _loaded(
 
     Args:
         found: the fit to all logs; parts: the logs.
-        sums: with its columns, without extras.
+        sums: with its columns.
         blocks: of each log.
         each: what is left of each alone, (n,).
     """
@@ -116,8 +117,7 @@ def _loaded(
         left = float(_left_of(every, each, theta).max())
         told.append((abs(float(theta[p])) / error, log, float(theta[p]), error, left))
     clear, odd, mass, error, left = max(told)
-    bare = ColumnLayout(found.layout.n)
-    others = (_own_columns(bare, terms) for terms, _, _ in OF_THEIR_OWN)
+    others = (_own_columns(found.layout, terms) for terms, _, _ in OF_THEIR_OWN)
     if clear < CLEAR or left > AGREEING:
         return []
     if any(_ratios_with_own(sums, blocks, each, own).max() <= WORSE * left for own in others):
@@ -129,9 +129,9 @@ def _loaded(
     ]
 
 
-def _own_columns(bare: ColumnLayout, terms: Sequence[str]) -> Integers:
+def _own_columns(layout: ColumnLayout, terms: Sequence[str]) -> Integers:
     """Columns of some terms of the drives."""
-    return np.concatenate([np.arange(bare.count)[bare.drive(term)] for term in terms])
+    return np.concatenate([np.arange(layout.count)[layout.drive(term)] for term in terms])
 
 
 def _told(

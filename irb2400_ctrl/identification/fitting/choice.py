@@ -18,7 +18,9 @@ from irb2400_ctrl.identification.fitting.noise import NOTHING
 from irb2400_ctrl.identification.fitting.prior import Prior
 
 CLEAR = 10.0
-"""log evidence that a balancer must bring [nats]; other extras have to gain unseen"""
+"""log evidence that what bodies could be must bring [nats]; other extras have to gain unseen"""
+LIKE_BODIES = ("balancer", "spring")
+"""kinds whose torque bodies that the file has wrong make as well"""
 LEAST_GAIN = 0.05
 """and so much less on unseen stretches, on the joints that it touches, for each of its numbers"""
 SURE = 3.0
@@ -33,13 +35,15 @@ PINNED = 1e-8
 
 
 def candidates(n: int) -> tuple[Extra, ...]:
-    """What some arms have: couplings in the wrist, balancers, friction of other laws."""
+    """What some arms have: couplings in the wrist, balancers, hoses that pull like a spring,
+    friction of other laws."""
     couplings = [
         Extra(kind, joint) for kind, effect in COUPLED.items() for joint in effect.joints(n)
     ]
     balancers = [Extra("balancer", joint) for joint in (2, 3) if joint <= n]
     friction = [Extra(kind, j + 1) for kind in ("stribeck", "power", "load") for j in range(n)]
-    return (*couplings, *balancers, *friction)
+    hoses = [Extra("spring", j + 1) for j in range(n)]
+    return (*couplings, *balancers, *hoses, *friction)
 
 
 @dataclass(frozen=True)
@@ -98,9 +102,10 @@ class Choice:
     def _shown(self, extra: Extra, trial: _Trial, now: _Trial) -> bool:
         """Whether the logs show an extra clearly.
 
-        Bodies that cannot exist, or that the file has wrong, take the place of a balancer: there it
-        is bodies that can exist, and of which the file says nothing, that must leave more without
-        it. Friction that bends, or grows with load, must not lead astray where there is more of it.
+        Bodies that cannot exist, or that the file has wrong, take the place of a balancer or a
+        hose: there it is bodies that can exist, and of which the file says nothing, that must leave
+        more without it. Friction that bends, or grows with load, must not lead astray where there
+        is more of it.
         """
         if extra.kind == "load" and not _gear_could(extra, trial):
             return False
@@ -110,7 +115,7 @@ class Choice:
             return False
         if extra.kind in self.beyond:
             return _gains(extra, trial, now) and self._reaches_further(extra, trial, now)
-        if extra.kind != "balancer":
+        if extra.kind not in LIKE_BODIES:
             return _gains(extra, trial, now)
         if trial.evidence - now.evidence < CLEAR:
             return False

@@ -24,12 +24,16 @@ COUPLED: dict[str, type[AxisCoupling]] = {
     "far_coupling": FarWristCoupling,
 }
 """kinds of extras that are couplings, and the effects that they are"""
-POSITIVE_TERMS = ("coulomb", "viscous", "rotor", "reading", "stribeck", "power", "load")
+POSITIVE_TERMS = (
+    *("coulomb", "viscous", "rotor"),
+    *("reading", "stribeck", "power", "load", "spring"),
+)
 """terms whose numbers cannot be negative"""
 COUPLING_COLUMNS = ("qdd here", "qdd next", "qd here", "qd next", "sign here", "sign next")
 EXTRA_COLUMNS = {
     **dict.fromkeys(COUPLED, COUPLING_COLUMNS),
     "balancer": ("sin q", "cos q"),
+    "spring": ("q",),
     "stribeck": ("bell",),
     "power": ("root qd",),
     "load": ("load sgn qd",),
@@ -264,6 +268,8 @@ def _extra_signals(
         return [(on, signal[:, by]) for signal in (qdd, qd, np.sign(qd)) for on, by in pairs]
     if extra.kind == "balancer":
         return [(j, np.sin(q[:, j])), (j, np.cos(q[:, j]))]
+    if extra.kind == "spring":
+        return [(j, q[:, j])]
     if extra.kind == "stribeck":
         speed = model.robot.friction[j, 3]
         return [(j, np.sign(qd[:, j]) * np.exp(-((qd[:, j] / speed) ** 2)))]

@@ -49,6 +49,11 @@ KINDS = {
         "balancer",
         ("times sin q [Nm]", "times cos q [Nm]"),
     ),
+    "spring": Kind(
+        "is pulled towards one angle, as by a hose or a cable",
+        "cable_spring",
+        ("stiffness [Nm/rad]",),
+    ),
     "reading": Kind(
         "reads its torque without part of what accelerates it",
         "acceleration_reading",
