@@ -19,6 +19,8 @@ from irb2400_ctrl.identification.fitting.prior import Prior
 
 CLEAR = 10.0
 """log evidence that what bodies could be must bring [nats]; other extras have to gain unseen"""
+BALANCED = (2, 3)
+"""joints that carry the arm, where what pulls towards one angle is a balancer"""
 LIKE_BODIES = ("balancer", "spring")
 """kinds whose torque bodies that the file has wrong make as well"""
 LEAST_GAIN = 0.05
@@ -40,9 +42,10 @@ def candidates(n: int) -> tuple[Extra, ...]:
     couplings = [
         Extra(kind, joint) for kind, effect in COUPLED.items() for joint in effect.joints(n)
     ]
-    balancers = [Extra("balancer", joint) for joint in (2, 3) if joint <= n]
+    balancers = [Extra("balancer", joint) for joint in BALANCED if joint <= n]
     friction = [Extra(kind, j + 1) for kind in ("stribeck", "power", "load") for j in range(n)]
-    hoses = [Extra("spring", j + 1) for j in range(n)]
+    # within half a turn either passes for the other
+    hoses = [Extra("spring", j + 1) for j in range(n) if j + 1 not in BALANCED]
     return (*couplings, *balancers, *hoses, *friction)
 
 
