@@ -24,10 +24,7 @@ COUPLED: dict[str, type[AxisCoupling]] = {
     "far_coupling": FarWristCoupling,
 }
 """kinds of extras that are couplings, and the effects that they are"""
-POSITIVE_TERMS = (
-    *("coulomb", "viscous", "rotor"),
-    *("reading", "stribeck", "power", "load", "spring"),
-)
+POSITIVE_TERMS = ("coulomb", "viscous", "rotor", "reading", "stribeck", "power", "load", "spring")
 """terms whose numbers cannot be negative"""
 COUPLING_COLUMNS = ("qdd here", "qdd next", "qd here", "qd next", "sign here", "sign next")
 EXTRA_COLUMNS = {
