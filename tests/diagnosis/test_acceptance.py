@@ -64,7 +64,7 @@ def judged(
     n: int = 3,
     beside: Any = None,
     over_given: float = 1.0,
-    over_all_left: float = 0.5,
+    of_the_fit: bool = False,
     of_one_size: bool = True,
     all_found: bool = True,
     of_its_law: bool = True,
@@ -74,7 +74,7 @@ def judged(
         worth=lambda place: SimpleNamespace(nats=np.array([0.0, worth, elsewhere])),
         told=lambda place: SimpleNamespace(nats=np.array(told)),
         over_given=lambda effects: SimpleNamespace(nats=np.full(3, over_given)),
-        over_all_left=lambda place: over_all_left,
+        of_the_fit=lambda place: of_the_fit,
     )
     acceptance: Any = Acceptance.__new__(Acceptance)
     motion = SimpleNamespace(duration=10.0, n=n, row_known=np.ones((50, n), dtype=bool))
@@ -250,8 +250,7 @@ def test_worth_of_exactly_nothing_bears_nothing_out() -> None:
     law = SimpleNamespace(known=False, everywhere=False, devices=frozenset(), effects=(), joint=2)
     assert judged(law, [], worth=1.0)
     assert not judged(law, [], worth=0.0)
-    assert judged(law, [], over_all_left=1.0)
-    assert not judged(law, [], over_all_left=1.01)
+    assert not judged(law, [], of_the_fit=True)
 
 
 @pytest.mark.parametrize(("share", "beyond"), [(0.05, False), (0.0501, True)])

@@ -139,9 +139,7 @@ class Acceptance:
             return False
         held_out = HeldOut(self.fitter, chosen, fit)
         if not candidate.known:
-            # a law larger than all that the given numbers leave makes up for those of the fit
-            seen = own(candidate, held_out.worth(place))
-            return seen > 0.0 and held_out.over_all_left(place) <= 1.0
+            return own(candidate, held_out.worth(place)) > 0.0 and not held_out.of_the_fit(place)
         beyond = self._beyond_base(candidate, fit)
         if not any(self.clear(steps, fit, place)) or not all(map(self._of_its_law, fitted)):
             return False

@@ -8,10 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from irb2400_ctrl.arrays import Array, Mask
+from irb2400_ctrl.arrays import Array, Mask, rms
 from irb2400_ctrl.diagnosis.estimation.candidate import Candidate
 from irb2400_ctrl.diagnosis.estimation.fit import Fit, Fitter
 from irb2400_ctrl.diagnosis.estimation.through_chain import delayed, shown_of, slope_of_shown
+from irb2400_ctrl.diagnosis.preparation.metrics import noise_floor
 from irb2400_ctrl.diagnosis.regressors.predict import effect_torque
 from irb2400_ctrl.effects import Effect
 from irb2400_ctrl.effects.base import OPEN_END_S
@@ -24,6 +25,8 @@ LEAST_BLOCKS = 3
 HELD = 0.5
 """share of what an effect that comes and goes shows, above which the stretch held out is not to be
 predicted from the rest"""
+NOISE = 1.3
+"""times the noise floor up to which what is left is noise"""
 FREE = 1e-2
 """precision of an effect's own numbers about the fitted ones: a fold has to find them itself"""
 
@@ -102,28 +105,27 @@ class HeldOut:
     def over_given(self, effects: Sequence[int]) -> Worth:
         """Of effects of the fit (their places) and the numbers fitted beside them, over the robot's
         numbers as they were given beside the other effects."""
-        return Worth.of(self._given(effects), self._told(self.fit, self._found), self._known)
+        fitter = self.fitter
+        motion = fitter.motion
+        others = [e for k, e in enumerate(self.fit.effects) if k not in effects]
+        given = motion.at_rows(motion.tau - fitter.predicted(others))
+        return Worth.of(given, self._told(self.fit, self._found), self._known)
 
-    def over_all_left(self, place: int) -> float:
-        """Rms of a law without a name (its place among `chosen`) over that of all that the robot's
-        numbers as they were given leave on its joint, beside the effects of the fit [1]."""
+    def of_the_fit(self, place: int) -> bool:
+        """Whether a law without a name (its place among `chosen`) makes up for what the fit has
+        made of the robot's numbers: as they were given they leave noise on its joint, and less of
+        it than the law is."""
         joint = self.chosen[place].joint
         if joint is None:
-            return 0.0
+            return False
         laws = sum(not c.known for c in self.chosen[:place])
-        counts = self._known[:, joint - 1]
-        law, left = (
-            float(np.sum(torque[counts, joint - 1] ** 2))
-            for torque in (self.fit.non_parametric[laws], self._given())
-        )
-        return float(np.sqrt(law / max(left, 1e-12)))
-
-    def _given(self, apart: Sequence[int] = ()) -> Array:
-        """What the given numbers leave beside the effects of the fit but for some (their places),
-        not filtered, shape (rows, n)."""
+        law = self.fit.non_parametric[laws][:, joint - 1]
         motion = self.fitter.motion
-        others = [e for k, e in enumerate(self.fit.effects) if k not in apart]
-        return motion.at_rows(motion.tau - self.fitter.predicted(others))
+        samples = motion.tau - self.fitter.predicted(self.fit.effects)
+        floor = noise_floor(samples, motion.known, motion.step)[joint - 1]
+        counts = self._known[:, joint - 1]
+        left = float(rms(motion.at_rows(samples)[counts, joint - 1]))
+        return left < min(NOISE * float(floor), float(rms(law[counts])))
 
     def told_of(self, effects: Sequence[int]) -> Worth:
         """The same for effects of the fit (their places) that other numbers of the robot could take
