@@ -61,8 +61,8 @@ def plausibility(robot: Robot) -> list[str]:
     notes = _gravity(robot)
     reach = robot.reach
     most = min(DENSEST_KG_M2, (GYRATION * reach) ** 2) if reach > 0.0 else DENSEST_KG_M2
-    for link in robot.links:
-        length = float(np.linalg.norm(link.frame.matrix()[:3, 3]))
+    lengths = [float(np.linalg.norm(link.frame.matrix()[:3, 3])) for link in robot.links]
+    for link, length in zip(robot.links, lengths, strict=True):
         if length > LONGEST_M:
             unit = "mm" if length > LONGEST_CM else "mm or cm"
             notes.append(
@@ -72,7 +72,7 @@ def plausibility(robot: Robot) -> list[str]:
     notes += _masses(robot)
     notes += too_dense(robot)
     notes += _about_the_frames(robot)
-    notes += _size(robot) or _centred(robot)
+    notes += _size(robot, max(lengths)) or _centred(robot)
     notes += _beside(robot) or _weight(robot)
     notes += _friction(robot)
     notes += _rotors(robot)
@@ -136,9 +136,9 @@ def _beside(robot: Robot) -> list[str]:
     ]
 
 
-def _size(robot: Robot) -> list[str]:
-    """An arm that would stand on a fingertip, or one of short links that reaches over houses."""
-    longest = max(float(np.linalg.norm(link.frame.matrix()[:3, 3])) for link in robot.links)
+def _size(robot: Robot, longest: float) -> list[str]:
+    """An arm that would stand on a fingertip, or one that reaches over houses though its longest
+    link [m] is short."""
     if longest <= LONGEST_M and robot.reach > FARTHEST_M:
         return [
             f"the arm reaches {robot.reach:.3g} m; its lengths look like cm or dm read as metres"

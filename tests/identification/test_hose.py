@@ -15,6 +15,7 @@ from independent_plant.effects import Effect
 import irb2400_ctrl as irb
 from irb2400_ctrl.effects import LIBRARY
 from irb2400_ctrl.identification import Identification
+from irb2400_ctrl.identification.fitting.choice import candidates
 from irb2400_ctrl.identification.fitting.columns import ColumnLayout, Extra, columns
 from irb2400_ctrl.identification.fitting.moments import Moments
 from irb2400_ctrl.identification.identified_robot import _extra_effects, fit_base
@@ -54,6 +55,12 @@ def test_an_arm_without_a_hose_has_none() -> None:
     found, _ = identified()
     assert stiffnesses(found.robot) == {}
     assert not any(SAID in note for note in found.notes)
+
+
+def test_where_a_balancer_pulls_no_hose_is_looked_for() -> None:
+    """One of axis 2 took the place of the balancer that a KR300 has there, and left more."""
+    sought = [extra.joint for extra in candidates(6) if extra.kind == "spring"]
+    assert sought == [1, 4, 5, 6]
 
 
 def test_the_column_is_the_effect() -> None:

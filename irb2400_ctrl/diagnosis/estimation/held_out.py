@@ -118,14 +118,16 @@ class HeldOut:
         joint = self.chosen[place].joint
         if joint is None:
             return False
+        own = [joint - 1]
         laws = sum(not c.known for c in self.chosen[:place])
-        law = self.fit.non_parametric[laws][:, joint - 1]
+        law = self.fit.non_parametric[laws][:, own]
         motion = self.fitter.motion
-        samples = motion.tau - self.fitter.predicted(self.fit.effects)
-        floor = noise_floor(samples, motion.known, motion.step)[joint - 1]
-        counts = self._known[:, joint - 1]
-        left = float(rms(motion.at_rows(samples)[counts, joint - 1]))
-        return left < min(NOISE * float(floor), float(rms(law[counts])))
+        samples = (motion.tau - self.fitter.predicted(self.fit.effects))[:, own]
+        (floor,) = noise_floor(samples, motion.known[:, own], motion.step)
+        counts = self._known[:, own].ravel()
+        (left,) = rms(motion.at_rows(samples)[counts])
+        (size,) = rms(law[counts])
+        return bool(left < min(NOISE * floor, size))
 
     def told_of(self, effects: Sequence[int]) -> Worth:
         """The same for effects of the fit (their places) that other numbers of the robot could take

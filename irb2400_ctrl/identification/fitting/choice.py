@@ -17,12 +17,12 @@ from irb2400_ctrl.identification.fitting.moments import Moments
 from irb2400_ctrl.identification.fitting.noise import NOTHING
 from irb2400_ctrl.identification.fitting.prior import Prior
 
-CLEAR = 10.0
-"""log evidence that what bodies could be must bring [nats]; other extras have to gain unseen"""
 BALANCED = (2, 3)
 """joints that carry the arm, where what pulls towards one angle is a balancer"""
 LIKE_BODIES = ("balancer", "spring")
 """kinds whose torque bodies that the file has wrong make as well"""
+CLEAR = 10.0
+"""log evidence that what bodies could be must bring [nats]; other extras have to gain unseen"""
 LEAST_GAIN = 0.05
 """and so much less on unseen stretches, on the joints that it touches, for each of its numbers"""
 SURE = 3.0

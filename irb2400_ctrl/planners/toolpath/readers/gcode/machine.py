@@ -258,7 +258,7 @@ class GcodeMachine:
             builder.assume("M99: the control begins again here; carried out once")
         elif function in {48, 49}:
             builder.ignore(f"M{function}")
-        elif function not in {2, 6, 30, *STOPS} and not (function == 17 and self._state.siemens):
+        elif function not in {6, *STOPS, *self._state.ends}:
             builder.assume(f"M{function}: a function of the machine, not carried out")
 
     def _control_tool_centre(self, *, on: bool) -> None:

@@ -208,8 +208,7 @@ class _Reader:
         if block.call is not None:
             self._motion.cycles.call(block.call)
         self._machine.after(functions)
-        ends = {2, 17, 30, 99} if self._state.siemens else {2, 30, 99}
-        self.ended = bool(ends & set(functions))
+        self.ended = bool(self._state.ends & set(functions))
         self._again = 99 in functions
 
     def _modes(self, codes: list[float], values: dict[str, float]) -> None:

@@ -94,6 +94,12 @@ class GcodeState:
         return self.vectors or self.motion in {2, 3, *SPLINES}
 
     @property
+    def ends(self) -> frozenset[int]:
+        """M functions behind which the file does not go on: M17 ends a sub-program (Siemens), which
+        is the file's program where none calls it."""
+        return frozenset({2, 30, 99} | ({17} if self.siemens else set()))
+
+    @property
     def spindle(self) -> Spindle:
         """As fast as S says, if it has been started."""
         rpm = self.spindle_speed if self.turning else 0.0
