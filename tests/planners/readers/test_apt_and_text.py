@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gzip
 from pathlib import Path
 
 import numpy as np
@@ -91,11 +92,30 @@ def test_content_first_suffix_second(text: str, name: str, kind: str) -> None:
     ("hello\n", "part.step", "unknown kind '.step'"),
     ("hello\n", "part.step", "let a CAM system make them"),
     ("MODULE A\nENDMODULE\n", "part.mod", "found a program of a robot"),
+    ("MODULE A\n PERS robtarget p1:=[];\nENDMODULE\n", "part.txt", "found a program of a robot"),
+    ("&ACCESS RVP\nDEF a( )\nLIN {X 1,Y 2}\nEND\n", "part.txt", "found a program of a robot"),
+    ("/PROG  A\n/MN\n 1:L P[1] 250mm/sec FINE ;\n", "part.nc", "found a program of a robot"),
+    ("/JOB\n//NAME A\nNOP\nEND\n", "part.txt", "found a program of a robot"),
+    ("def a():\n  movel(p[1,2,3,0,0,0])\nend\n", "part.txt", "found a program of a robot"),
+    ("%A G71 *\nN10 G54 X+5 *\n", "part.i", "found Heidenhain's DIN/ISO"),
+    ("%A G71\nG00 X+1 Y+2 Z+3\nG54 X+5\nG01 Z+0 F9\n", "part.nc", "Heidenhain's DIN/ISO"),
     ("M48\nMETRIC\nT1C0.3\n%\nG90\nT1\nX1Y2\nM30\n", "part.drl", "Excellon"),
 ])  # fmt: skip
 def test_other_languages_are_refused(tmp_path: Path, text: str, name: str, says: str) -> None:
     with pytest.raises(InputError) as caught:
         read_path(written(tmp_path, text, name))
+    assert says in str(caught.value)
+
+
+@pytest.mark.parametrize(("data", "says"), [
+    (gzip.compress(b"G21 G90\n"), "is compressed (gzip): unpack it"),
+    (b"PK\x03\x04 and so on", "is a ZIP archive: unpack it"),
+])  # fmt: skip
+def test_a_packed_file_is_called_one(tmp_path: Path, data: bytes, says: str) -> None:
+    path = tmp_path / "part.nc"
+    path.write_bytes(data)
+    with pytest.raises(InputError) as caught:
+        read_path(path)
     assert says in str(caught.value)
 
 

@@ -23,6 +23,14 @@ GCODE_LINE = re.compile(
     re.IGNORECASE | re.MULTILINE,
 )
 PLAIN = re.compile(r"^\s*\d*\s*BEGIN PGM\b", re.IGNORECASE | re.MULTILINE)
+# the head of Heidenhain's DIN/ISO, whose G54 X Y, G28 X, G98 L are others than elsewhere
+DIN_ISO = re.compile(r"^\s*%\s*\S+\s+G7[01]\b", re.IGNORECASE | re.MULTILINE)
+# RAPID, KRL, FANUC's TP, INFORM, URScript
+ROBOT_LINE = re.compile(
+    r"^\s*(?:MODULE\s+\w|(?:CONST|PERS|VAR)\s+robtarget\b|&ACCESS\b|(?:PTP|LIN|CIRC)\s*\{"
+    r"|/PROG\s+\w|//NAME\s+\w|\d+:\s*[JL]\s+P\[|move[jlcp]\s*\()",
+    re.IGNORECASE | re.MULTILINE,
+)
 CSV_COLUMNS = re.compile(r'(^|,)\s*"?[xyz]_?\w*"?\s*(,|$)', re.IGNORECASE)
 ROBOTS = "a program of a robot: give the CAM file it was made from"
 DRAWING = "a drawing or a shape without tool paths: let a CAM system make them"
@@ -55,6 +63,11 @@ def dialect(text: str, path: Path) -> str:
             f"{path}, line 1: found Mastercam's own NCI, which is not read; "
             "let its post processor write G-code or APT"
         )
+    if DIN_ISO.search(text):
+        raise InputError(
+            f"{path}: found Heidenhain's DIN/ISO (% NAME G71), which is not read; let the post "
+            "processor write plain language (.h) or G-code for another control"
+        )
     if suffix in {".drl", ".xln", ".gbr"}:
         raise InputError(f"{path}: found {OTHERS[suffix]}")
     if _is_csv(text):
@@ -72,6 +85,8 @@ def dialect(text: str, path: Path) -> str:
         return "G-code"
     if suffix == ".csv":
         return "CSV"
+    if ROBOT_LINE.search(text):
+        raise InputError(f"{path}: found {ROBOTS}")
     if suffix in APT_SUFFIXES:
         return _apt_dialect(text)
     if suffix in GCODE_SUFFIXES:

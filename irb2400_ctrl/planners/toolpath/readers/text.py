@@ -20,6 +20,13 @@ BOMS = (
 )
 
 
+PACKED = {
+    b"\x1f\x8b": "compressed (gzip)",
+    b"PK\x03\x04": "a ZIP archive",
+    b"7z\xbc\xaf": "a 7z archive",
+}
+
+
 def read_text(path: Path) -> str:
     """The file as text with "\\n" at the ends of lines.
 
@@ -43,6 +50,9 @@ def read_text(path: Path) -> str:
 
 def decode(data: bytes, name: str) -> str:
     """The characters of `data`; InputError where they are no text."""
+    for mark, kind in PACKED.items():
+        if data.startswith(mark):
+            raise InputError(f"{name} is {kind}: unpack it and give the file that was in it")
     try:
         text = data.decode(_encoding(data), errors="strict")
     except UnicodeDecodeError as error:

@@ -68,8 +68,8 @@ LENGTH_WORDS = {
     "SUBPECK": "step",
 }
 # numbers that change no place
-_OTHERS = """DWELL TIMES TPI LEAD PITCH DIAMETR DIAMET DIA REV CAM TOOL ORIENT CSINK BACK TLANGL
-CUTANG SPINDL OFFSET MAXRPM RANGE RETRCT BOTTOM TLCOMP THREAD THRDS"""
+_OTHERS = """DWELL TIMES TPI LEAD PITCH DIAMETR DIAMET DIA REV CAM TOOL ORIENT ORIANT CSINK BACK
+TLANGL CUTANG SPINDL OFFSET MAXRPM RANGE RETRCT BOTTOM TLCOMP THREAD THRDS"""
 OTHER_WORDS = frozenset(_OTHERS.split())
 # ORIENT,angle,way aside
 SEVERAL = frozenset({"ORIENT"})
@@ -113,6 +113,10 @@ def hole_cycle(statement: Statement, unit: float, dialect: str) -> HoleCycle:
         )
     if depth < 0 or any(step <= 0 for step in steps):
         raise InputError(f"CYCLE/{name} has a negative depth or step; expected lengths")
+    if clear is not None and clear < 0:
+        raise InputError(
+            f"CYCLE/{name} has the clearance {clear:g}, below the point; expected a height over it"
+        )
     retract = values.get("retract", [clearance])[0]
     if UP_WORDS & set(words) or ("RETURN" in words and retract == 0):
         retract = math.inf

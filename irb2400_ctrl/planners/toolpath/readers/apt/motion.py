@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 
 import numpy as np
 
@@ -11,6 +11,10 @@ from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.planners.toolpath.readers.apt import units
 from irb2400_ctrl.planners.toolpath.readers.apt.circles import Circles
 from irb2400_ctrl.planners.toolpath.readers.apt.cycles import hole_cycle, resumed
+from irb2400_ctrl.planners.toolpath.readers.apt.from_the_bottom import (
+    FROM_THE_BOTTOM,
+    over_the_bottom,
+)
 from irb2400_ctrl.planners.toolpath.readers.apt.nurbs import Nurbs
 from irb2400_ctrl.planners.toolpath.readers.apt.placement import Placement
 from irb2400_ctrl.planners.toolpath.readers.apt.statements import Statement, is_number, number
@@ -24,15 +28,20 @@ from irb2400_ctrl.planners.toolpath.readers.unread_line import WordError
 class Motion:
     """Carries statements of motion out on the builder."""
 
-    def __init__(self, builder: ProgramBuilder, dialect: str) -> None:
+    def __init__(
+        self, builder: ProgramBuilder, dialect: str, from_below: Mapping[int, Statement]
+    ) -> None:
         self._builder = builder
         self._dialect = dialect
+        self._from_below = from_below
+        """cycles whose points are the bottoms of their holes, by their line"""
         self._placement = Placement(builder)
         self._circles = Circles(builder, self._placement, dialect)
         self._nurbs = Nurbs(builder, self._placement)
         self._rapid = False
         self._cycle: HoleCycle | None = None
         self._last_cycle: Statement | None = None
+        self._bottoms = False
         self._last_word = ""
         self._axis_of_before = False
         self._do: dict[str, Callable[[Statement], None]] = {
@@ -91,7 +100,7 @@ class Motion:
         if self._cycle is not None:
             if rapid:
                 builder.assume("RAPID before a point of a CYCLE/: it is a hole as well")
-            drill(builder, self._cycle, position, axis)
+            drill(builder, self._hole(self._cycle, statement, axis), position, axis)
         elif self._circles.open:
             self._circles.close(position, axis, rapid)
         elif not self._circles.goes_on(position, axis, rapid):
@@ -167,6 +176,11 @@ class Motion:
             return
         if word == "ON":
             statement = resumed(self._last_cycle, statement)
+        else:
+            self._bottoms = statement.line in self._from_below
+            statement = self._from_below.get(statement.line, statement)
+        if self._bottoms:
+            builder.assume(FROM_THE_BOTTOM)
         cycle = hole_cycle(statement, self._placement.unit, self._dialect)
         self._cycle = cycle
         self._last_cycle = statement
@@ -176,6 +190,15 @@ class Motion:
             builder.assume("CYCLE/ without a clearance: rapid down to the stated point")
         if cycle.name in {"DEEP", "DEEPHL", "PECK", "BRKCHP"} and not cycle.steps:
             builder.assume(f"CYCLE/{cycle.name} without a step: one stroke")
+
+    def _hole(self, cycle: HoleCycle, point: Statement, axis: Array | None) -> HoleCycle:
+        """The hole of a point."""
+        if not self._bottoms:
+            return cycle
+        upright = self._placement.direction([0.0, 0.0, 1.0])
+        stands = np.allclose(upright, self._builder.axis if axis is None else axis)
+        height = self._placement.unit * point.numbers()[2]
+        return over_the_bottom(cycle, height, upright=bool(stands))
 
     def _set_rapid(self, statement: Statement) -> None:
         self._rapid = True

@@ -6,6 +6,7 @@ from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.planners.toolpath.cam_program import CamProgram
 from irb2400_ctrl.planners.toolpath.readers.apt import units
 from irb2400_ctrl.planners.toolpath.readers.apt.comments import Comments
+from irb2400_ctrl.planners.toolpath.readers.apt.from_the_bottom import from_the_bottom
 from irb2400_ctrl.planners.toolpath.readers.apt.machine import Machine
 from irb2400_ctrl.planners.toolpath.readers.apt.motion import Motion
 from irb2400_ctrl.planners.toolpath.readers.apt.statements import COMMENT, Statement, statements
@@ -38,7 +39,7 @@ def read_apt(text: str, dialect: str, builder: ProgramBuilder, units: str | None
     """
     program = list(statements(text))
     unit_of = _Units([s for s in program if isinstance(s, Statement)], units, builder)
-    motion = Motion(builder, dialect)
+    motion = Motion(builder, dialect, from_the_bottom(program))
     machine = Machine(builder, in_one_frame=in_one_frame(program))
     comments = Comments(builder)
     for statement in program:

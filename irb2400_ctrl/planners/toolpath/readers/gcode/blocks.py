@@ -59,13 +59,18 @@ UNREADABLE = (
     ),
     (SUBPROGRAM, "of o-words sub, call, while, do, repeat and if are read"),
     (
-        re.compile(r"[#\[\]]|\bR\d+\s*=|=\s*R\d|\b(WHILE|IF|GOTO[FB]?|END\d)\b|^\$|DEF\b"),
-        "of variables and expressions those are read that set or state a number, of jumps and "
-        "loops IF [ ] GOTO, IF [ ] THEN and WHILE [ ] DO1: let the CAM system write all moves out",
+        re.compile(r"\$P?_"),
+        "what the control keeps in such variables (frames, places, states; Siemens) is not read: "
+        "let the CAM system write all places in one frame",
     ),
     (
-        re.compile(r"^[A-Z_]\w+\s*:|\b(REPEAT|LOOP)\b"),
-        "a label is where a jump or REPEAT leads to; jumps and loops are not read: let the CAM "
+        re.compile(r"^[A-Z_]\w+\s*:|\b(REPEATB?|LOOP|GOTO[BCFS]|CASE|FOR|ENDFOR|ENDLOOP|UNTIL)\b"),
+        "jumps and loops of Siemens, and labels, are not read: let the CAM system write all moves out",
+    ),
+    (
+        re.compile(r"[#\[\]]|\bR\d+\s*=|=\s*R\d|\b(WHILE|IF|GOTO|ELSE|END\w*)\b|^\$|DEF\b"),
+        "of variables and expressions those are read that set or state a number, of jumps and "
+        "loops IF [ ] GOTO, IF [ ] THEN and WHILE [ ] DO1, each in a line of its own: let the CAM "
         "system write all moves out",
     ),
     (
@@ -207,6 +212,7 @@ def blocks(
         if raw.lstrip().startswith("//"):
             yield Block(line, (), (raw.strip(),), behind_slashes=True)
             continue
+        stated = raw.strip()
         for pattern, text_for_it in REWRITTEN:
             raw = pattern.sub(text_for_it, raw)
         raw = rewritten(raw)
@@ -231,8 +237,7 @@ def blocks(
                     f"found {found_spline[0]}: splines and polynomials "
                     "(Siemens) are not read; let the CAM system write straight moves and arcs"
                 )
-            code = variables.resolve(code)
-            words, orders = _words(code)
+            words, orders = _words(variables.resolve(code), stated)
         except InputError as error:
             variables.lost = True
             yield UnreadLineError(line, str(error))
@@ -279,10 +284,11 @@ def _end_of_comment(text: str, start: int) -> int:
     return len(text) if first < 0 else first
 
 
-def _words(code: str) -> tuple[list[tuple[str, float]], list[str]]:
+def _words(code: str, stated: str) -> tuple[list[tuple[str, float]], list[str]]:
+    """Words and orders of a block, and its line as the file states it, for messages."""
     words: list[tuple[str, float]] = []
     orders: list[str] = []
-    at = 0
+    at = before = 0
     while at < len(code):
         named = NAMED.match(code, at)
         word = EXTENDED_WORD.match(code, at) or WORD.match(code, at)
@@ -294,13 +300,17 @@ def _words(code: str) -> tuple[list[tuple[str, float]], list[str]]:
             if not math.isfinite(value):
                 raise InputError(f"found {word.group(2)[:20]}…, expected a finite number")
             words.append(("R" if word.group(1) == "CR" else word.group(1), value))
-            at = word.end()
+            before, at = at, word.end()
         elif code[at:].strip() == "":
             break
         else:
             why = next((text for pattern, text in UNREADABLE if pattern.search(code)), "")
+            # A5=0 begins as the word A5
+            rest = code[before if code[at:].lstrip().startswith("=") else at :].strip()
+            # numbers in the place of variables, and what was rewritten, are not in the file
+            shown = rest if rest in stated.upper() else stated
             raise InputError(
-                f"found {code[at:].strip()[:30]!r}, expected words such as G1 X10.5"
+                f"found {shown[:30]!r}, expected words such as G1 X10.5"
                 + (f"; {why}" if why else "")
             )
     return words, orders

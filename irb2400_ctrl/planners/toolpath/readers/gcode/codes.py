@@ -27,6 +27,9 @@ RADIUS = (
     "of the tool's centre (where it does, and the control adds the wear alone, take the word out)"
 )
 REFUSED = {
+    **dict.fromkeys((2.2, 3.2), "an involute"),
+    **dict.fromkeys((2.3, 3.3), "a spiral whose radius grows as an exponential"),
+    **dict.fromkeys((2.4, 3.4), "an arc in space through a point of it"),
     5.2: "a spline",
     6.3: "a spline",
     7: "programming in diameters",
@@ -36,11 +39,14 @@ REFUSED = {
     "part lies on the machine, delete the line)",
     31: "a probe",
     33: "thread cutting",
-    38.2: "a probe",
-    41: RADIUS,
-    42: RADIUS,
+    **dict.fromkeys((37, 38.2, 38.3, 38.4, 38.5), "a probe"),
+    **dict.fromkeys(
+        (41, 42, *(round(c + n / 10, 1) for c in (41, 42) for n in range(1, 7))), RADIUS
+    ),
     51: "scaling",
     51.1: "mirroring",
+    68.3: "a tilted plane by the axes of the machine; expected G68.2 X Y Z I J K (Euler angles)",
+    68.4: "a tilted plane in a tilted plane; expected G68.2 X Y Z I J K (Euler angles)",
     65: "a macro",
     66: "a macro",
     12: "a circular pocket (Haas); let the CAM system write its arcs",

@@ -29,6 +29,7 @@ from irb2400_ctrl.planners.toolpath.readers.gcode.machine_places import MachineP
 from irb2400_ctrl.planners.toolpath.readers.gcode.macros.variables import Variables
 from irb2400_ctrl.planners.toolpath.readers.gcode.motion import GcodeMotion
 from irb2400_ctrl.planners.toolpath.readers.gcode.rotary import LEFT_TURNED, Rotary
+from irb2400_ctrl.planners.toolpath.readers.gcode.settings import without_settings
 from irb2400_ctrl.planners.toolpath.readers.gcode.state import SPLINES, GcodeState
 from irb2400_ctrl.planners.toolpath.readers.gcode.subprograms import in_order
 from irb2400_ctrl.planners.toolpath.readers.gcode.swivel import swivel
@@ -171,6 +172,7 @@ class _Reader:
             builder.assume("blocks behind / are carried out")
         if block.behind_slashes:
             builder.assume("lines behind // are comments")
+        block = without_settings(block, builder)
         values = block.checked()
         codes = [round(code, 3) for code in block.codes("G")]
         codes += [53.0] * ("SUPA" in block.orders)
