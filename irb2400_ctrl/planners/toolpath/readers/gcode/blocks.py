@@ -65,7 +65,8 @@ UNREADABLE = (
     ),
     (
         re.compile(r"^[A-Z_]\w+\s*:|\b(REPEATB?|LOOP|GOTO[BCFS]|CASE|FOR|ENDFOR|ENDLOOP|UNTIL)\b"),
-        "jumps and loops of Siemens, and labels, are not read: let the CAM system write all moves out",
+        "jumps and loops of Siemens, and labels, are not read: let the CAM system write all moves "
+        "out",
     ),
     (
         re.compile(r"[#\[\]]|\bR\d+\s*=|=\s*R\d|\b(WHILE|IF|GOTO|ELSE|END\w*)\b|^\$|DEF\b"),

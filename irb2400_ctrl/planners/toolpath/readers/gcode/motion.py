@@ -160,6 +160,9 @@ class GcodeMotion:
         if others:
             raise InputError(f"{others[0]} in a straight move is not read")
         target = state.target(values)
+        if None in target and state.printers:
+            state.at = target
+            return
         if None in target and rapid:
             builder.assume(
                 "rapid moves before X, Y and Z are all stated are left out: where the tool comes "

@@ -28,6 +28,11 @@ from irb2400_ctrl.planners.toolpath.readers.gcode.machine import GcodeMachine
 from irb2400_ctrl.planners.toolpath.readers.gcode.machine_places import MachinePlaces
 from irb2400_ctrl.planners.toolpath.readers.gcode.macros.variables import Variables
 from irb2400_ctrl.planners.toolpath.readers.gcode.motion import GcodeMotion
+from irb2400_ctrl.planners.toolpath.readers.gcode.printer import (
+    PLASTIC,
+    is_printers,
+    without_plastic,
+)
 from irb2400_ctrl.planners.toolpath.readers.gcode.rotary import LEFT_TURNED, Rotary
 from irb2400_ctrl.planners.toolpath.readers.gcode.settings import without_settings
 from irb2400_ctrl.planners.toolpath.readers.gcode.state import SPLINES, GcodeState
@@ -60,6 +65,11 @@ def read_gcode(
     name = builder.name
     siemens = is_siemens(text, name)
     state = GcodeState(siemens=siemens, evenly=not siemens, linuxcnc=is_linuxcnc(text, name))
+    if is_printers(text):
+        state.printers = True
+        text = without_plastic(text)
+        builder.line = 1
+        builder.assume(PLASTIC)
     reader = _Reader(builder, state, units, rotary, frames)
     variables = Variables(siemens=siemens, linuxcnc=state.linuxcnc)
     lines, notes = in_order(text, name, variables)
@@ -79,7 +89,8 @@ def read_gcode(
             reader.block(block)
     with builder.reading(builder.line):
         reader.end()
-    for builder.line, note in [*notes, *without_point(text, name)]:
+    points = [] if state.printers else without_point(text, name)
+    for builder.line, note in [*notes, *points]:
         builder.assume(note)
     return builder.finish("G-code", reader.unit_name(), reader.unit_stated)
 

@@ -39,6 +39,8 @@ class GcodeState:
     """the control is one of Siemens"""
     linuxcnc: bool = False
     """it is LinuxCNC"""
+    printers: bool = False
+    """it is a 3D printer"""
     polar: bool = False
     """X is a radius and Y an angle about the zero (G16)"""
     absolute: bool = True
