@@ -72,5 +72,5 @@ def over_the_bottom(cycle: HoleCycle, height: float, *, upright: bool) -> HoleCy
             f"({1e3 * height:.6g} mm) is less than the depth of {1e3 * cycle.depth:.6g} mm: "
             "expected no FEDRAT/ there where the points are on the surface"
         )
-    over = {"clearance": cycle.clearance - height, "retract": cycle.retract - height}
-    return replace(cycle, depth=0.0, **over)
+    begins = cycle.clearance - height
+    return replace(cycle, depth=0.0, clearance=begins, retract=cycle.retract - height)

@@ -289,7 +289,8 @@ def _words(code: str, stated: str) -> tuple[list[tuple[str, float]], list[str]]:
     """Words and orders of a block, and its line as the file states it, for messages."""
     words: list[tuple[str, float]] = []
     orders: list[str] = []
-    at = before = 0
+    before = 0
+    at = 0
     while at < len(code):
         named = NAMED.match(code, at)
         word = EXTENDED_WORD.match(code, at) or WORD.match(code, at)
@@ -301,7 +302,8 @@ def _words(code: str, stated: str) -> tuple[list[tuple[str, float]], list[str]]:
             if not math.isfinite(value):
                 raise InputError(f"found {word.group(2)[:20]}…, expected a finite number")
             words.append(("R" if word.group(1) == "CR" else word.group(1), value))
-            before, at = at, word.end()
+            before = at
+            at = word.end()
         elif code[at:].strip() == "":
             break
         else:

@@ -23,18 +23,18 @@ from irb2400_ctrl.planners.toolpath.readers.gcode.codes import (
 from irb2400_ctrl.planners.toolpath.readers.gcode.control import is_linuxcnc, is_siemens
 from irb2400_ctrl.planners.toolpath.readers.gcode.cycles import CYCLES
 from irb2400_ctrl.planners.toolpath.readers.gcode.decimal_points import without_point
+from irb2400_ctrl.planners.toolpath.readers.gcode.firmware.printer import (
+    PLASTIC,
+    is_printers,
+    without_plastic,
+)
+from irb2400_ctrl.planners.toolpath.readers.gcode.firmware.settings import without_settings
 from irb2400_ctrl.planners.toolpath.readers.gcode.frames import GcodeFrames
 from irb2400_ctrl.planners.toolpath.readers.gcode.machine import GcodeMachine
 from irb2400_ctrl.planners.toolpath.readers.gcode.machine_places import MachinePlaces
 from irb2400_ctrl.planners.toolpath.readers.gcode.macros.variables import Variables
 from irb2400_ctrl.planners.toolpath.readers.gcode.motion import GcodeMotion
-from irb2400_ctrl.planners.toolpath.readers.gcode.printer import (
-    PLASTIC,
-    is_printers,
-    without_plastic,
-)
 from irb2400_ctrl.planners.toolpath.readers.gcode.rotary import LEFT_TURNED, Rotary
-from irb2400_ctrl.planners.toolpath.readers.gcode.settings import without_settings
 from irb2400_ctrl.planners.toolpath.readers.gcode.state import SPLINES, GcodeState
 from irb2400_ctrl.planners.toolpath.readers.gcode.subprograms import in_order
 from irb2400_ctrl.planners.toolpath.readers.gcode.swivel import swivel
