@@ -24,6 +24,7 @@ ROTATION = 2e-6
 _TOLERANCE = 1e-9
 _TURN = 2 * np.pi
 _MOST_TURNS = 40
+_MOST_IN_ALL = 1_000_000
 
 
 def check_radians(robot: Robot, seed: Array) -> None:
@@ -115,9 +116,9 @@ def boxed(function: ca.Function, box: JointBox) -> ca.Function | None:
     The checks: skewness, how many fit, and whether a branch has more turns than usual.
     """
     usual = box.usual_turns()
-    turns = _all_turns(tuple(usual.tolist()))
-    if len(turns) > _MOST_TURNS:
+    if np.prod(usual.astype(float)) > _MOST_TURNS:
         return None
+    turns = _all_turns(tuple(usual.tolist()))
     X_BF = ca.SX.sym("X_BF", 4, 4)
     seed = ca.SX.sym("seed", 6)
     q, overreach = function(X_BF, seed)
@@ -174,9 +175,20 @@ def _lowest(q: ca.SX, box: JointBox) -> ca.SX:
 
 def unwound(lowest: Array, count: Array) -> Array:
     """Every angle from the lowest, `count` of them a whole turn apart, shape (m, n); both
-    (b, n)."""
+    (b, n).
+
+    Raises:
+        InputError: they are more than a million.
+    """
     exists = count.min(axis=1) >= 1.0
     lowest = lowest[exists]
+    in_all = float(np.prod(count[exists], axis=1).sum())
+    if in_all > _MOST_IN_ALL:
+        raise InputError(
+            f"inverse kinematics: found {in_all:.3g} configurations of one pose, whole turns "
+            f"counted, expected at most {_MOST_IN_ALL:,}: are the joint ranges of the robot file "
+            "degrees where radians were expected?"
+        )
     keys = [tuple(row) for row in count[exists].tolist()]
     if len(set(keys)) == 1:
         return np.asarray((lowest[:, None] + _all_turns(keys[0])).reshape(-1, lowest.shape[1]))

@@ -12,7 +12,7 @@ import irb2400_ctrl as irb
 from irb2400_ctrl.codegen import compile_function
 from irb2400_ctrl.errors import InputError, UnreachableError
 from irb2400_ctrl.model.branch_solver import branch_solver
-from irb2400_ctrl.model.joint_box import JointBox
+from irb2400_ctrl.model.joint_box import JointBox, boxed
 from irb2400_ctrl.model.newton_branches import NewtonBranches
 from irb2400_ctrl.robot import Transform
 
@@ -259,3 +259,12 @@ def test_an_angle_on_both_ends_of_its_range_has_a_turn_more() -> None:
     first = found[np.abs(np.exp(1j * found) - np.exp(1j * q)).max(axis=1) < 1e-9]
     # axes 1 and 6 have three each, axes 2, 4 and 5 two, axis 3 (half a turn either way) one
     assert len(first) == 3 * 2 * 1 * 2 * 2 * 3
+
+
+def test_ranges_that_are_degrees_are_asked_about() -> None:
+    """54 turns an axis are 10^10 configurations: they filled the memory."""
+    box = JointBox(np.full(6, -170.0), np.full(6, 170.0))
+    closed_form = irb.Model(irb.load_robot("irb2400")).function("inverse_kinematics")
+    assert boxed(closed_form, box) is None
+    with pytest.raises(InputError, match="joint ranges of the robot file degrees"):
+        box.windings(np.zeros((8, 6)))
