@@ -155,6 +155,10 @@ def test_canned_cycles_point_by_point(tmp_path: Path, cycle: str) -> None:
     ("G1 X5 F60 X7", "found X5 and X7 in one block"),
     ("G1 X5 F60 E2", "the word E, which is not read; E pushes plastic"),
     ("G17.5", "unknown code G17.5"),
+    ("G68 A5. B0. R30.", "G68 is read as G17 G68 X Y R only"),
+    ("G8 X20. Y5.", "G8 with X20 and no motion code: on some controls an arc that begins along"),
+    ("G93 I5. J0.", "G93 with I5 and no motion code: on some controls a pole"),
+    ("G93 X9. Y5.", "G93 with X9 and no motion code: on some controls a pole or another zero"),
     ("R1=5\nANF: G1 X=R1 F60", "found 'ANF: G1 X=R1 F60'"),
     ("R1=5\nFOR R1=1 TO 3", "jumps and loops of Siemens, and labels"),
     ("$P_UIFR[1]=CTRANS(X,9)", "found '$P_UIFR[1]=CTRANS(X,9)', expected words"),
@@ -344,3 +348,19 @@ def test_a_motion_beside_the_end_of_a_cycle_is_carried_out(tmp_path: Path) -> No
     found = positions(tmp_path, text)
     assert found[:, 2].min() == pytest.approx(-4.0)
     assert (np.abs(found[:, 0] - 20) < 1e-9).sum() == 1
+
+
+@pytest.mark.parametrize(
+    ("line", "said"),
+    [("G1 X5; N30 G1 Y5;", True), ("G1 X5 ; F100 X9 Y2", True), ("G1 X5 ; to X9", False),
+     ("; G1 X9", False), ("G1 X5 (G1 X9)", False), ("G1 X5 ; 3 mm", False)],
+)  # fmt: skip
+def test_a_block_behind_a_semicolon_is_said_to_be_left_out(
+    tmp_path: Path, line: str, said: bool
+) -> None:
+    file = tmp_path / "part.nc"
+    file.write_text(f"G21 G90\nG0 X0 Y0 Z5\nG1 Z0 F100\n{line}\nG1 X5 Y0\nG1 X7\nM30\n")
+    read = read_program(file)
+    assert np.isclose(1e3 * read.operation().path.position[:, 1], 0).all()
+    notes = " ".join(map(str, read.of_kind("assumed")))
+    assert ("line 4: what stands behind ; is a comment" in notes) is said

@@ -35,6 +35,12 @@ WORD = re.compile(rf"\s*([A-Z$])\s*=?\s*{NUMBER}")
 BY_ITSELF = tuple(f"{axis}{how}" for axis in "XYZABC" for how in ("IC", "AC"))
 # a block that the operator may skip, by one of nine switches: /G1, /2 G1
 OPTIONAL = re.compile(r"/\s*(?:[1-9](?=\s*(?:[A-Z]|$)))?\s*")
+# G0 X10; N20 G1 Z-5;
+BLOCK_BEHIND = re.compile(
+    r"[^;(]*[A-Z]\s*[-+]?[\d.]+\s*;\s*(?:N\d+\s*)?(?:[GMIJKRFST]\s*-?[\d.]+\s*)*"
+    r"[XYZ]\s*[-+]?[\d.]+\s*(?:[A-Z]\s*[-+]?[\d.]+\s*)*(?:;|$)",
+    re.IGNORECASE,
+)
 # words of several letters (Siemens)
 EXTENDED = (TO_ANGLE, "CR", "TURN", "RPL", "A3", "B3", "C3", "IAC", "JAC", "KAC", *BY_ITSELF)
 # $: which spindle, or torch (LinuxCNC)
@@ -138,6 +144,19 @@ class Block:
     """what CYCLE800 states (Siemens)"""
     tape_mark: bool = False
     """a % alone: begins the program, or ends it"""
+    block_behind: bool = False
+    """behind its ; stands what reads as a block"""
+
+    @property
+    def assumed(self) -> list[str]:
+        """What is to be said of how it was read."""
+        notes = {
+            "blocks behind / are carried out": self.optional,
+            "lines behind // are comments": self.behind_slashes,
+            "what stands behind ; is a comment and left out, though it reads as a block: where ; "
+            "ends blocks, each belongs in a line of its own": self.block_behind,
+        }
+        return [note for note, holds in notes.items() if holds]
 
     def codes(self, letter: str) -> list[float]:
         """All numbers behind this letter."""
@@ -246,7 +265,8 @@ def blocks(
         plane = tuple(part.strip() for part in swivelled[1].split(",")) if swivelled else None
         if words or comments or orders or call or swivelled or skipped:
             found = (tuple(words), tuple(comments), tuple(orders))
-            yield Block(line, *found, call, skipped is not None, plane=plane)
+            behind = ";" in stated and BLOCK_BEHIND.match(stated) is not None
+            yield Block(line, *found, call, skipped is not None, plane=plane, block_behind=behind)
 
 
 def _split(raw: str) -> tuple[str, list[str], bool]:

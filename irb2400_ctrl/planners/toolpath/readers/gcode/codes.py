@@ -85,6 +85,12 @@ OWNED: dict[float, tuple[str, str]] = {
     187: _NUMBER,
     332: ("R", ""),
 }
+# of codes without a motion beside them: letters with which other controls mean something else by
+# them, letters with which they do not, and what they mean
+_ELSEWHERE: dict[float, tuple[str, str, str]] = {
+    8: ("XYZIJ", "P", "an arc that begins along the move before (Fagor)"),
+    93: ("XYZIJ", "F", "a pole or another zero (Fagor, MillPlus)"),
+}
 
 # what a letter may say, and beside which motions it says nothing
 _BESIDE: dict[str, tuple[str, frozenset[float]]] = {
@@ -145,6 +151,7 @@ def without_owned(
     left = dict(values)
     moving = [code for code in codes if code in MOTION and code != 80]
     places = PLACE_WORDS & set(values)
+    _refuse_of_others(codes, values, moving)
     for code in codes:
         if code == 50 and places and not moving:
             raise InputError(
@@ -174,6 +181,16 @@ def without_owned(
             shown = " ".join(f"{letter}{values[letter]:g}" for letter in taken)
             builder.assume(f"G{code:g} {shown}: {says}")
     return left
+
+
+def _refuse_of_others(codes: list[float], values: dict[str, float], moving: list[float]) -> None:
+    for code, (letters, without, says) in _ELSEWHERE.items():
+        found = [letter for letter in letters if letter in values]
+        if code in codes and found and without not in values and not moving:
+            raise InputError(
+                f"G{code:g} with {found[0]}{values[found[0]]:g} and no motion code: on some "
+                f"controls {says}; not read, expected G{code:g} in a line of its own"
+            )
 
 
 def moves(values: dict[str, float], *, by_centre: bool = False) -> bool:

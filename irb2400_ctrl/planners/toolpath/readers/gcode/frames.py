@@ -94,7 +94,7 @@ class GcodeFrames:
     def _turn(self, values: dict[str, float]) -> None:
         """G68 X Y R: coordinates turned in the plane about a point of it."""
         state = self._state
-        if "R" not in values or state.plane != 17 or set("ZIJK") & set(values):
+        if "R" not in values or state.plane != 17 or set("ZIJKABC") & set(values):
             raise InputError("G68 is read as G17 G68 X Y R only")
         if not state.absolute and not np.array_equal(state.turned, np.eye(4)):
             raise InputError(

@@ -179,10 +179,8 @@ class _Reader:
             return
         for comment in block.comments:
             self._machine.comment(comment)
-        if block.optional:
-            builder.assume("blocks behind / are carried out")
-        if block.behind_slashes:
-            builder.assume("lines behind // are comments")
+        for note in block.assumed:
+            builder.assume(note)
         block = without_settings(block, builder)
         values = block.checked()
         codes = [round(code, 3) for code in block.codes("G")]
