@@ -1,7 +1,8 @@
 """The lines of a G-code file in the order in which they are carried out, sub-programs included.
 
-Called are M98 P… L… (Fanuc), O… CALL (LinuxCNC, with variables of its own), L100, NAME and
-CALL "NAME" (Siemens), where the sub-program is in the file. A call of anything else stays in its
+Called are M98 P… L… (Fanuc), M97 P… L… (Haas: from a block N of the program on), O… CALL (LinuxCNC,
+with variables of its own), L100, NAME and CALL "NAME" (Siemens), where the sub-program is in the
+file. A call of anything else stays in its
 line, which is refused later.
 """
 
@@ -20,7 +21,11 @@ _NUMBERED = re.compile(r"^\s*(?:/\s*)?[O:]\s*(\d+)\s*(?:$|[(<;])", re.IGNORECASE
 _ARCHIVE = re.compile(r"^\s*%_N_(\w+)_(MPF|SPF)\b", re.IGNORECASE)
 _SUB = re.compile(r"^\s*O\s*(\d+|<[^<>]+>)\s+SUB\b", re.IGNORECASE)
 _END_SUB = re.compile(r"^\s*O\s*(\d+|<[^<>]+>)\s+ENDSUB\b", re.IGNORECASE)
-_M98 = re.compile(r"M0*98(?!\d)", re.IGNORECASE)
+_M98 = re.compile(r"M0*9[78](?!\d)", re.IGNORECASE)
+_M97 = re.compile(r"M0*97(?!\d)", re.IGNORECASE)
+# how often, where that is no number
+_COUNTED = re.compile(r"[LK]\s*(#\s*\d+|#?<[^<>]+>|#?\[.*\])", re.IGNORECASE)
+_ENDS = re.compile(r"M0*(?:2|30)(?!\d)", re.IGNORECASE)
 _P = re.compile(r"P\s*(\d+)", re.IGNORECASE)
 _L = re.compile(r"[LK]\s*(\d+)", re.IGNORECASE)
 _FROM_BLOCK = re.compile(r"[QH]\s*\d", re.IGNORECASE)
@@ -35,6 +40,9 @@ _NAMED = re.compile(
     r'^\s*(?:N\d+\s*)?(?:CALL\s+"(\w+)"|([A-Z_]\w+))\s*(?:P\s*=?\s*(\d+))?\s*$', re.IGNORECASE
 )
 _RETURN = re.compile(r"M0*(?:99|17)(?!\d)|\bRET\b", re.IGNORECASE)
+_NUMBER = re.compile(r"\s*N\s*(\d+)", re.IGNORECASE)
+_BLOCK = ":N"
+"""between the name of a program and the number of a block that M97 calls"""
 DEEPEST = 10
 MOST_LINES = 2_000_000
 
@@ -69,8 +77,8 @@ def in_order(
     listed = list(enumerate(text.split("\n"), 1))
     programs = _parted(listed)
     called = {
-        target for lines in programs.lines.values() for _, raw in lines
-        if (target := (_call(raw, programs) or ("",))[0])
+        target for name, lines in programs.lines.items() for _, raw in lines
+        if (target := (_call(raw, programs, name) or ("",))[0])
     }  # fmt: skip
     if not called:
         return Flow(listed, variables).lines(), []
@@ -88,8 +96,8 @@ def in_order(
     ]
     notes += [
         (number, f"{_code(raw)}: the sub-program is called no times: its moves are left out")
-        for lines in programs.lines.values() for number, raw in lines
-        if (found := _call(raw, programs)) is not None and found[1] == 0
+        for name, lines in programs.lines.items() if _BLOCK not in name for number, raw in lines
+        if (found := _call(raw, programs, name)) is not None and found[1] == 0
     ]  # fmt: skip
     return _Runner(programs, variables).run(first, 0), notes
 
@@ -113,6 +121,7 @@ def _parted(listed: list[Line]) -> _Programs:
     head = programs.lines[""]
     if not any(_code(raw) not in {"", "%"} for _, raw in head):
         del programs.lines[""]
+    _with_blocks(programs)
     return programs
 
 
@@ -120,9 +129,33 @@ def _code(raw: str) -> str:
     return COMMENT.sub(" ", raw).strip()
 
 
-def _call(raw: str, programs: _Programs) -> tuple[str, int, str, str] | None:
+def _with_blocks(programs: _Programs) -> None:
+    """Adds what M97 P5 calls, the block N5 of its own program and what follows; behind the end of
+    the program nothing else carries it out."""
+    for name, lines in list(programs.lines.items()):
+        codes = [_code(raw) for _, raw in lines]
+        wanted = {
+            p[1].lstrip("0") for code in codes if _M97.search(code) and (p := _P.search(code))
+        }
+        end = next((at for at, code in enumerate(codes) if _ENDS.search(code)), len(codes))
+        called = set()
+        for at, code in enumerate(codes):
+            block = _NUMBER.match(code)
+            if block is None or block[1].lstrip("0") not in wanted:
+                continue
+            programs.lines.setdefault(f"{name}{_BLOCK}{block[1].lstrip('0')}", lines[at:])
+            stop = next((i for i in range(at, len(codes)) if _RETURN.search(codes[i])), at)
+            called |= set(range(at, stop + 1)) if at > end else set()
+        programs.lines[name] = [line for at, line in enumerate(lines) if at not in called]
+
+
+def _call(raw: str, programs: _Programs, name: str) -> tuple[str, int, str, str] | None:
     """Which program a line calls, how often, what is left of the line, and arguments; None where
-    it calls none of this file."""
+    it calls none of this file.
+
+    Args:
+        raw: the line; programs: of the file; name: of the one that the line is in.
+    """
     code = _code(raw)
     if _M98.search(code):
         p = _P.search(code)
@@ -131,7 +164,8 @@ def _call(raw: str, programs: _Programs) -> tuple[str, int, str, str] | None:
         others = _CYCLE_Q.sub(r"\1", _LENGTH_OFFSET.sub("", code, count=1), count=1)
         if p is None or _FROM_BLOCK.search(others) or (times and _CYCLE_Q.search(code)):
             return None
-        target = programs.named(p[1])
+        block = f"{name.split(_BLOCK)[0]}{_BLOCK}{p[1].lstrip('0')}"
+        target = programs.named(block if _M97.search(code) else p[1])
         count = int(times[1]) if times else 1
         if target is None and times is None and len(p[1]) > 4:
             # Fanuc: P and eight digits, how often and which
@@ -182,7 +216,11 @@ class _Runner:
             if depth and code == "%":
                 # that of the whole file, of which a sub-program is the last
                 continue
-            call = _call(raw, self._programs)
+            try:
+                call = _call(self._counted(raw), self._programs, name)
+            except InputError as error:
+                yield UnreadLineError(number, str(error))
+                continue
             if call is None:
                 yield number, raw
                 continue
@@ -195,3 +233,14 @@ class _Runner:
                 yield from self.run(target, depth + 1)
             if own:
                 yield number, LEAVE
+
+    def _counted(self, raw: str) -> str:
+        """The line with the number in the place of an expression that says how often: L#25."""
+        code = _code(raw)
+        found = _COUNTED.search(code) if _M98.search(code) else None
+        if found is None:
+            return raw
+        times = self._variables.value(found[1].upper())
+        if times != int(times) or not 0 <= times <= MOST_LINES:
+            raise InputError(f"found {found[0]} of {times:g}, expected a whole number of times")
+        return code.replace(found[0], f"L{int(times)}")
