@@ -213,3 +213,17 @@ def test_a_dollar_at_the_end_of_a_text_swallows_no_motion(tmp_path: Path) -> Non
     expected = [[0, 0, 30], [9, 0, 0], [9, 9, 0], [0, 9, 0]]
     assert np.allclose(1e3 * found.path.position, expected)
     assert [e.text for e in found.events] == ["IT COSTS 5$", "GOES ON AND ON"]
+
+
+@pytest.mark.parametrize(
+    ("words", "rapid"),
+    [(["RAPID/ON", "", "RAPID/OFF", ""], [True, True, False, False]),
+     (["RAPID/ON", "RAPID", "", "RAPID/OFF"], [True, True, True, False]),
+     (["RAPID/OFF", "RAPID", "", ""], [False, True, False, False]),
+     (["RAPID/IPM,400", "", "RAPID", ""], [True, False, True, False])],
+)  # fmt: skip
+def test_rapid_may_hold_until_it_is_switched_off(
+    tmp_path: Path, words: list[str], rapid: list[bool]
+) -> None:
+    moves = "".join(f"{word}\nGOTO/{at},0,0\n" for at, word in enumerate(words, 1))
+    assert list(operation(tmp_path, HEAD + moves).rapid[1:]) == rapid

@@ -39,6 +39,7 @@ class Motion:
         self._circles = Circles(builder, self._placement, dialect)
         self._nurbs = Nurbs(builder, self._placement)
         self._rapid = False
+        self._rapid_on = False
         self._cycle: HoleCycle | None = None
         self._last_cycle: Statement | None = None
         self._bottoms = False
@@ -201,11 +202,19 @@ class Motion:
         return over_the_bottom(cycle, height, upright=bool(stands))
 
     def _set_rapid(self, statement: Statement) -> None:
-        self._rapid = True
+        """RAPID for the next move; RAPID/ON for all until RAPID/OFF."""
+        words = set(statement.words)
+        self._rapid = "OFF" not in words
+        if words <= {"ON", "OFF"}:
+            self._rapid_on = "ON" in words or (self._rapid_on and self._rapid)
+        else:
+            self._builder.assume(
+                f"RAPID/{statement.text[:40]}: the speed of the machine's rapid moves is not held"
+            )
 
     def _take_rapid(self) -> bool:
         """Whether this move is rapid: the word holds for one move (ISO 4343)."""
-        rapid = self._rapid
+        rapid = self._rapid or self._rapid_on
         self._rapid = False
         return rapid
 
