@@ -225,6 +225,18 @@ def test_feeds_per_turn_in_inches(tmp_path: Path) -> None:
         program(tmp_path, "L Z-1 F2 M136\n", head=head)
 
 
+def test_the_datum_of_newer_controls(tmp_path: Path) -> None:
+    moved = "TRANS DATUM AXIS X+100 Y+50\nL X+0 Y+0 Z+1 FMAX\nTRANS DATUM AXIS IX+5\nL X+0 F60\n"
+    found = program(tmp_path, f"{moved}TRANS DATUM RESET\nL X+0\n").operation().path.position
+    assert np.allclose(1e3 * found[-3:, :2], [[100, 50], [105, 50], [0, 50]])
+    for order, says in {
+        "DATUM TABLE TABLINE5": "from a table",
+        "MIRROR AXIS X": "a frame that is mirrored, turned or scaled",
+    }.items():
+        with pytest.raises(InputError, match=says):
+            program(tmp_path, f"TRANS {order}\nL X+5 F60\n")
+
+
 def test_another_preset_ends_the_datum_shift(tmp_path: Path) -> None:
     preset = "CYCL DEF 247 PRESET ~\nQ339=+1\n"
     body = f"{preset}CYCL DEF 7.1 X+100\nL X+0 Y+0 Z+9 FMAX\n{preset}L X+5 Y+0 Z+1 FMAX\n"

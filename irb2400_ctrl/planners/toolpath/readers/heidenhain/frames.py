@@ -41,7 +41,12 @@ class PlainFrames:
         self.turned = True
         """the tool is turned to the plane, by the control or by the file"""
 
-    def shift(self, code: str) -> None:
+    def transform(self, code: str) -> None:
+        """TRANS DATUM AXIS X+10, TRANS DATUM RESET: as cycle 7."""
+        axes = "X0 Y0 Z0" if code.split()[2:] == ["RESET"] else code.partition("AXIS")[2]
+        self.shift(axes or code, "TRANS DATUM")
+
+    def shift(self, code: str, order: str = "CYCL DEF 7") -> None:
         """CYCL DEF 7.1 X+10: the new datum, in the tilted plane where there is one; axes that are
         not named stay.
 
@@ -67,7 +72,7 @@ class PlainFrames:
             way = as_number(stated) * self._state.unit
             self._shift[i] = self._shift[i] + way if step else way
         self._inside = tilted and bool(self._shift.any())
-        self._builder.assume("CYCL DEF 7: the datum is moved by what it states")
+        self._builder.assume(f"{order}: the datum is moved by what it states")
         self._apply()
 
     def preset(self) -> None:

@@ -43,6 +43,7 @@ REFUSED = {
     224: "a pattern of holes",
 }
 UNREAD = {
+    "TRANS": "a frame that is mirrored, turned or scaled (of TRANS, DATUM is read)",
     "CT": "an arc by its tangent; of arcs C with CC, CP and CR are read",
     "RND": "a rounded corner; let the CAM system write the arc",
     "CHF": "a chamfer; let the CAM system write the line",
@@ -124,6 +125,8 @@ class _Reader:
             self._machine.tool(code)
         elif code.startswith("CYCL"):
             self._cycle(code)
+        elif code.startswith("TRANS DATUM"):
+            self._motion.frames.transform(code)
         elif code.startswith("PLANE"):
             self._motion.frames.plane(code)
         elif code.startswith("FUNCTION"):
