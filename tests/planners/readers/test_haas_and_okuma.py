@@ -118,3 +118,17 @@ def test_okuma_goes_back_to_the_level_of_g71_after_each_hole(tmp_path: Path) -> 
         program(tmp_path, text.replace("G71 Z2.\n", ""))
     with pytest.raises(InputError, match="top of the machine"):
         program(tmp_path, text.replace("X2.\n", "X2. M52\n"))
+
+
+@pytest.mark.parametrize(("call", "times"), [("CALL O200", 1), ("CALL O0200 Q3", 3)])
+def test_a_sub_program_of_okuma_is_called(tmp_path: Path, call: str, times: int) -> None:
+    sub = "O200\nG91 G1 Y10\nG90\nRTS\n"
+    text = f"$PART.MIN%\nO100\nG90 G0 X0 Y0 Z5\nG1 Z-1 F300\n{call}\nG0 Z50\nM2\n{sub}"
+    found = 1e3 * program(tmp_path, text).operation().path.position
+    assert np.allclose(found[-1], [0, 10 * times, 50])
+
+
+@pytest.mark.parametrize("line", ["CALL O200 Q2 VC5=3", "MODIN O200", "VC1=5", "CALL O300"])
+def test_calls_of_okuma_with_variables_are_refused(tmp_path: Path, line: str) -> None:
+    with pytest.raises(InputError, match=r"line 3: found .*of calls on controls of Okuma"):
+        program(tmp_path, f"O100\nG90 G0 X0 Y0 Z5\n{line}\nG1 Z0\nM2\nO200\nG91 G1 Y1\nRTS\n")

@@ -81,6 +81,11 @@ UNREADABLE = (
         "system write all moves out",
     ),
     (
+        re.compile(r"\b(?:CALL|MODIN|MODOUT)\b|\bV[CS]\d"),
+        "of calls on controls of Okuma CALL O1 Q2 of a program in the file is read, without "
+        "variables (VC1): let the CAM system write numbers",
+    ),
+    (
         re.compile(r"\bPROC\b.*\bSAVE\b"),
         "with SAVE the caller has its G functions back behind the sub-program, which is not read: "
         "take SAVE out where the sub-program changes none, or write all moves into one program",

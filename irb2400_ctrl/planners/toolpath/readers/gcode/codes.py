@@ -26,6 +26,10 @@ RADIUS = (
     "the offset by the tool's radius, which the control knows; let the CAM system write the path "
     "of the tool's centre (where it does, and the control adds the wear alone, take the word out)"
 )
+PROBE = (
+    "a probe, and where it stops is not in the file; let the post processor leave out how a torch "
+    "or a probe finds the part"
+)
 REFUSED = {
     **dict.fromkeys((2.2, 3.2), "an involute"),
     **dict.fromkeys((2.3, 3.3), "a spiral whose radius grows as an exponential"),
@@ -37,9 +41,9 @@ REFUSED = {
     12.1: "interpolation in polar coordinates",
     10: "a change of the control's offsets (where it only says before the first motion where the "
     "part lies on the machine, delete the line)",
-    31: "a probe",
+    31: PROBE,
     33: "thread cutting",
-    **dict.fromkeys((37, 38.2, 38.3, 38.4, 38.5), "a probe"),
+    **dict.fromkeys((37, 38.2, 38.3, 38.4, 38.5), PROBE),
     **dict.fromkeys(
         (41, 42, *(round(c + n / 10, 1) for c in (41, 42) for n in range(1, 7))), RADIUS
     ),

@@ -1,8 +1,8 @@
 """The lines of a G-code file in the order in which they are carried out, sub-programs included.
 
-Called are M98 P… L… (Fanuc), M97 P… L… (Haas: from a block N of the program on), O… CALL (LinuxCNC,
-with variables of its own), L100, NAME and CALL "NAME" (Siemens), where the sub-program is in the
-file. A call of anything else stays in its
+Called are M98 P… L… (Fanuc), M97 P… L… (Haas: from a block N of the program on), CALL O… Q…
+(Okuma), O… CALL (LinuxCNC, with variables of its own), L100, NAME and CALL "NAME" (Siemens), where
+the sub-program is in the file. A call of anything else stays in its
 line, which is refused later.
 """
 
@@ -39,10 +39,13 @@ _O_CALL = re.compile(r"^\s*O\s*(\d+|<[^<>]+>)\s+CALL\b(.*)", re.IGNORECASE)
 _NAMED = re.compile(
     r'^\s*(?:N\d+\s*)?(?:CALL\s+"(\w+)"|([A-Z_]\w+))\s*(?:P\s*=?\s*(\d+))?\s*$', re.IGNORECASE
 )
-_RETURN = re.compile(r"M0*(?:99|17)(?!\d)|\bRET\b", re.IGNORECASE)
+_OKUMA = re.compile(r"^\s*CALL\s+O(\d+)\s*(?:Q\s*(\d+))?\s*$", re.IGNORECASE)
+_RETURN = re.compile(r"M0*(?:99|17)(?!\d)|\b(?:RET|RTS)\b", re.IGNORECASE)
 _NUMBER = re.compile(r"\s*N\s*(\d+)", re.IGNORECASE)
 _BLOCK = ":N"
 """between the name of a program and the number of a block that M97 calls"""
+# nothing, the mark of a tape, the name of a program (Okuma)
+_EMPTY = re.compile(r"%?|\$[\w.-]+%")
 DEEPEST = 10
 MOST_LINES = 2_000_000
 
@@ -119,7 +122,7 @@ def _parted(listed: list[Line]) -> _Programs:
             if _END_SUB.match(raw):
                 current = ""
     head = programs.lines[""]
-    if not any(_code(raw) not in {"", "%"} for _, raw in head):
+    if all(_EMPTY.fullmatch(_code(raw)) for _, raw in head):
         del programs.lines[""]
     _with_blocks(programs)
     return programs
@@ -176,6 +179,9 @@ def _call(raw: str, programs: _Programs, name: str) -> tuple[str, int, str, str]
     if found := _O_CALL.match(code):
         target = programs.named(found[1])
         return None if target is None else (target, 1, "", found[2])
+    if found := _OKUMA.match(code):
+        target = programs.named(found[1])
+        return None if target is None else (target, int(found[2] or 1), "", "")
     found = _NAMED.match(code)
     if found is None:
         return None
