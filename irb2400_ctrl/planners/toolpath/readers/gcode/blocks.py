@@ -155,6 +155,8 @@ class Block:
     @property
     def assumed(self) -> list[str]:
         """What is to be said of how it was read."""
+        if not (self.optional or self.behind_slashes or self.block_behind):
+            return []
         notes = {
             "blocks behind / are carried out": self.optional,
             "lines behind // are comments": self.behind_slashes,

@@ -26,8 +26,9 @@ def without_settings(block: Block, builder: ProgramBuilder) -> Block:
     Raises:
         InputError: a place behind another function, which some machines go to.
     """
-    words = [word for word in block.words if word[0] != "N"]
-    if len(words) < 2 or words[0][0] != "M" or block.codes("G"):
+    begins = next((letter for letter, _ in block.words if letter != "N"), "")
+    words = [word for word in block.words if word[0] != "N"] if begins == "M" else []
+    if len(words) < 2 or block.codes("G"):
         return block
     function = int(words[0][1])
     if function in _READ or (function < 100 and function not in _OF_AXES | {84}):
