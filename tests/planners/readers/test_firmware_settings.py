@@ -31,7 +31,9 @@ def test_a_place_behind_another_function_is_asked_about(tmp_path: Path) -> None:
         program(tmp_path, f"{HEAD}M206 X5 Y5\nM30\n")
 
 
-@pytest.mark.parametrize("block", ["M8 X20.", "G1 X20. M201", "X20. M201", "M41 X20."])
+@pytest.mark.parametrize(
+    "block", ["M8 X20.", "G1 X20. M201", "X20. M201", "M41 X20.", "M201 M8 X20."]
+)
 def test_a_place_beside_a_function_of_a_machine_tool_is_gone_to(tmp_path: Path, block: str) -> None:
     found = program(tmp_path, f"{HEAD}{block}\nM30\n").operation().path.position
     assert np.allclose(1e3 * found[-1], [20, 0, 0])

@@ -28,7 +28,7 @@ def without_settings(block: Block, builder: ProgramBuilder) -> Block:
     """
     begins = next((letter for letter, _ in block.words if letter != "N"), "")
     words = [word for word in block.words if word[0] != "N"] if begins == "M" else []
-    if len(words) < 2 or block.codes("G"):
+    if len(words) < 2 or block.codes("G") or len(block.codes("M")) > 1:
         return block
     function = int(words[0][1])
     if function in _READ or (function < 100 and function not in _OF_AXES | {84}):
