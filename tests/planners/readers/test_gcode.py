@@ -348,19 +348,3 @@ def test_a_motion_beside_the_end_of_a_cycle_is_carried_out(tmp_path: Path) -> No
     found = positions(tmp_path, text)
     assert found[:, 2].min() == pytest.approx(-4.0)
     assert (np.abs(found[:, 0] - 20) < 1e-9).sum() == 1
-
-
-@pytest.mark.parametrize(
-    ("line", "said"),
-    [("G1 X5; N30 G1 Y5;", True), ("G1 X5 ; F100 X9 Y2", True), ("G1 X5 ; to X9", False),
-     ("; G1 X9", False), ("G1 X5 (G1 X9)", False), ("G1 X5 ; 3 mm", False)],
-)  # fmt: skip
-def test_a_block_behind_a_semicolon_is_said_to_be_left_out(
-    tmp_path: Path, line: str, said: bool
-) -> None:
-    file = tmp_path / "part.nc"
-    file.write_text(f"G21 G90\nG0 X0 Y0 Z5\nG1 Z0 F100\n{line}\nG1 X5 Y0\nG1 X7\nM30\n")
-    read = read_program(file)
-    assert np.isclose(1e3 * read.operation().path.position[:, 1], 0).all()
-    notes = " ".join(map(str, read.of_kind("assumed")))
-    assert ("line 4: what stands behind ; is a comment" in notes) is said

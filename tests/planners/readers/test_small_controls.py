@@ -112,3 +112,18 @@ def test_lengths_without_a_point_are_those_of_the_unit_on_linuxcnc(tmp_path: Pat
     file.write_text(f"{HEAD}G0 X0 Y0 Z5\nG1 X5 F600\nM2\n")
     assert "decimal point" not in str(read_program(file).notes)
     assert "decimal point" in str(program(tmp_path, file.read_text()).notes)
+
+
+@pytest.mark.parametrize(
+    ("line", "said"),
+    [("G1 X5; N30 G1 Y5;", True), ("G1 X5 ; F100 X9 Y2", True), ("G1 X5 ; to X9", False),
+     ("; G1 X9", False), ("G1 X5 (G1 X9)", False), ("G1 X5 ; 3 mm", False)],
+)  # fmt: skip
+def test_a_block_behind_a_semicolon_is_said_to_be_left_out(
+    tmp_path: Path, line: str, said: bool
+) -> None:
+    text = f"G21 G90\nG0 X0 Y0 Z5\nG1 Z0 F100\n{line}\nG1 X5 Y0\nG1 X7\nM30\n"
+    read = program(tmp_path, text)
+    assert np.isclose(1e3 * read.operation().path.position[:, 1], 0).all()
+    notes = " ".join(map(str, read.of_kind("assumed")))
+    assert ("line 4: what stands behind ; is a comment" in notes) is said
