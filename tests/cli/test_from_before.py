@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import pytest
 from command_line import irb2400
 
 PATH = "x_mm,y_mm,z_mm,i,j,k,feed_mm_s\n1000,0,900,0,0,1,50\n1000,40,900,0,0,1,50\n"
@@ -61,6 +62,7 @@ def test_inputs_and_files_beside_a_single_one_are_nobodys_result(tmp_path: Path)
     assert "path.csv" not in refused.stderr.splitlines()[-1]
 
 
+@pytest.mark.slow
 def test_a_result_that_is_stopped_names_the_last_plan(tmp_path: Path) -> None:
     """Operations that could not be linked left an earlier trajectory.csv, and nothing told."""
     planned(tmp_path)

@@ -188,7 +188,12 @@ CEILING = (0.0, 0.0, 9.81)
 
 @pytest.mark.parametrize(
     ("arm", "gravity", "peak"),
-    [("seven", WALL, 5.0), ("panda", WALL, 9.0), ("panda", CEILING, 6.0), ("ur10e", WALL, 3.6)],
+    [
+        pytest.param("seven", WALL, 5.0, marks=pytest.mark.slow),
+        pytest.param("panda", WALL, 9.0, marks=pytest.mark.slow),
+        ("panda", CEILING, 6.0),
+        ("ur10e", WALL, 3.6),
+    ],
 )
 def test_default_gains_carry_the_weight_however_the_arm_is_mounted(
     arm: str, gravity: tuple[float, float, float], peak: float, seven: Robot, panda: Robot

@@ -18,10 +18,12 @@ LONG = (
     "control_02_speed",
     "control_03_elasticity",
     "control_05_inertia_error",
+    "control_06_effect",
+    "diagnosis_01_close_the_loop",
     "diagnosis_02_next_motion",
     "optimise_01_free_geometry",
 )
-"""6 to 12 s each"""
+"""6 to 15 s each"""
 
 
 @pytest.mark.parametrize(

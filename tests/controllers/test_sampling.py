@@ -87,7 +87,7 @@ def test_what_an_ideal_drive_can_do_is_remarked_on(bandwidth: float, sample_time
     assert "a sample late" in check_sampled_loop(ROBOT, partial(build, bandwidth), sample_time)
 
 
-@pytest.mark.parametrize("joint", [1, 3])
+@pytest.mark.parametrize("joint", [1, pytest.param(3, marks=pytest.mark.slow)])
 def test_simulate_says_what_codegen_says_of_an_unstable_loop(joint: int, tmp_path: Path) -> None:
     """A rigid law on an elastic joint swung up, and nothing said why."""
     soft = ROBOT.with_effects(

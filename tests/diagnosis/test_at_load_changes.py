@@ -139,11 +139,12 @@ def test_the_name_of_the_joint_alone_is_told() -> None:
         assert bouncing.rattles(play, [candidate(flaw, 1)]) == 0.0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("place", "seed"),
     [
         # 67 nats of its law were refused beside the tilt; its neighbours say 29 more
-        pytest.param(5, 20261207, marks=pytest.mark.slow),
+        (5, 20261207),
         # not heard: of its torque, 9 % of the joint's, 0.6 % are slow enough to be compared
         (7, 20261209),
     ],

@@ -128,6 +128,7 @@ def test_odds_follow_the_error_of_the_dip() -> None:
     assert log_odds(Dip(3.0, 0.4), size) == MOST
 
 
+@pytest.mark.slow
 def test_friction_of_two_levels_of_an_arm_that_nobody_tuned_to_is_no_offset() -> None:
     (case,) = suite("single", 2, 1, 20261205)
     read = case.simulate()

@@ -39,17 +39,20 @@ def test_what_begins_in_mid_record_has_one_name_and_its_time(kind: str, joint: i
     assert found.robot.effects[0].windows_s == ()  # from now on it is always there
 
 
+@pytest.mark.slow
 def test_a_delay_that_only_reversals_show_is_not_named() -> None:
     case = suite("pairs", 31, 2029)[30]
     assert named(diagnosed(case)) == [(t.kind, t.joint) for t in case.truth]
 
 
+@pytest.mark.slow
 def test_what_a_single_second_says_is_no_law() -> None:
     """A joint creeps, sticks and breaks away once; nothing is missing."""
     found = diagnosed(suite("clean", 72, 2029)[71])
     assert (named(found), found.unexplained) == ([], ())
 
 
+@pytest.mark.slow
 def test_a_friction_far_from_its_data_sheet_is_named() -> None:
     found = diagnosed(suite("single", 4, 2029)[3])
     assert named(found) == [("coulomb_change", 1)]

@@ -17,6 +17,7 @@ from irb2400_ctrl.effects import LIBRARY
 from irb2400_ctrl.measurement.prepared_log import prepare
 
 
+@pytest.mark.slow
 def test_its_coefficient_is_that_of_the_usual_load() -> None:
     """It was the one at 50 Nm, on an axis that carries 340 Nm a third of what is there; what it is
     off its law seemed larger than the law, and the arm was unexplained."""
@@ -55,6 +56,7 @@ def test_what_a_file_states_is_looked_for_at_its_own_load(
     assert {point["reference_Nm"] for point in grid} == {reference}
 
 
+@pytest.mark.slow
 def test_a_square_of_the_speed_is_no_departure_of_a_viscous_friction() -> None:
     """A viscous friction too small to be named, with this for its departure, hid it: nothing was
     said of 6.6 times the noise."""

@@ -38,6 +38,7 @@ def test_a_hose_that_stiffens_is_a_cable() -> None:
     assert spring.stiffening_Nm_rad3 * half**3 == pytest.approx(6.0, rel=0.15)
 
 
+@pytest.mark.slow
 def test_one_that_pulls_along_a_line_is_told_by_its_stiffness_alone() -> None:
     angle = sound().q[:, 3]
     spring = only(diagnose(ROBOT, with_torque(4, 6.0 * (angle - 0.2))), "cable_spring", 4)
@@ -71,6 +72,7 @@ def test_what_falls_somewhere_is_no_hose(polynomial: tuple[float, ...]) -> None:
         CableSpring.from_coefficients(4, polynomial, {})
 
 
+@pytest.mark.slow
 def test_friction_may_differ_by_direction_in_both_its_parts() -> None:
     """An arm with 2.1 Nm and 1.6 Nm s/rad more one way than on average had a law of the speed
     without a name."""
@@ -82,6 +84,7 @@ def test_friction_may_differ_by_direction_in_both_its_parts() -> None:
     assert found.viscous_Nms_rad == pytest.approx(1.6, rel=0.2)
 
 
+@pytest.mark.slow
 def test_an_offset_that_drifts_is_one_offset() -> None:
     """One of 3.4 Nm that drifted by a fifth was an offset in two steps and a friction that differs
     by direction (0.94)."""
@@ -122,7 +125,13 @@ def test_play_is_looked_for_up_to_more_than_a_degree() -> None:
     assert min(flights) == pytest.approx(1e-4)
 
 
-@pytest.mark.parametrize(("cold", "below"), [(5.0, 0.0), (0.0, 5.0), (3.0, 4.0)])
+@pytest.mark.parametrize(
+    ("cold", "below"),
+    [
+        *(pytest.param(*pair, marks=pytest.mark.slow) for pair in ((5.0, 0.0), (0.0, 5.0))),
+        (3.0, 4.0),
+    ],
+)
 def test_a_gear_warms_up_from_whatever_the_file_states(cold: float, below: float) -> None:
     """One whose file holds its friction of the morning (5,710 and 617 sigma) had no name: what is
     left at the end of a record was taken for the file's."""

@@ -114,6 +114,7 @@ def test_unseen_rows_are_told_with_the_departures_that_were_fitted() -> None:
     assert np.linalg.norm(plain) > 2.0 * np.linalg.norm(told)
 
 
+@pytest.mark.slow
 def test_a_gain_of_an_axis_that_bears_its_weight_is_named() -> None:
     """It was worth 166 nats on unseen rows and -652 by what was told: a mass of the parallelogram
     was there instead."""

@@ -61,7 +61,7 @@ def test_the_rates_of_all_joints_are_that_of_the_torque() -> None:
 
 @pytest.mark.parametrize(
     ("suite", "number", "delay", "joint"),
-    [pytest.param("single", 10, 0.0057, 5, marks=pytest.mark.slow), ("pairs", 8, 0.0071, 3)],
+    [("single", 10, 0.0057, 5), pytest.param("pairs", 8, 0.0071, 3, marks=pytest.mark.slow)],
 )
 def test_an_angle_that_is_late_is_named(suite: str, number: int, delay: float, joint: int) -> None:
     """It moves the torques of all joints; the delay of its own torque did not explain that."""

@@ -76,6 +76,7 @@ def test_a_coupling_that_begins_in_the_middle_may_be_a_spindle_that_is_switched_
     assert not LIBRARY["wrist_coupling"].of(5, **numbers).mistaken_for
 
 
+@pytest.mark.slow
 def test_such_a_force_says_what_else_it_may_be() -> None:
     log = Case(77, duration=25.0, validation_duration=3.0).simulate()[0]
     force = LIBRARY["process_force"].of(None, force_x_N=24.0, force_z_N=32.0)

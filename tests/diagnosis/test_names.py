@@ -73,7 +73,9 @@ def frictions(factor: float) -> Robot:
     return ROBOT.model_copy(update={"joints": tuple(joints)})
 
 
-@pytest.mark.parametrize("radius", [0.05, 0.15, pytest.param(0.12, marks=pytest.mark.slow)])
+@pytest.mark.parametrize(
+    "radius", [0.05, *(pytest.param(r, marks=pytest.mark.slow) for r in (0.12, 0.15))]
+)
 def test_a_circle_of_the_model_itself_gets_no_name(radius: float) -> None:
     path = builders.circle((0.95, 0.0, 0.6), radius, feed=0.1)
     plan = plan_path(ROBOT, path, free_tool_rotation=False)
@@ -112,6 +114,7 @@ def test_friction_of_a_cold_arm_is_recalibrated_and_is_no_effect() -> None:
     assert not [note for note in own.weak if "friction of all joints" in note]
 
 
+@pytest.mark.slow
 def test_numbers_further_off_than_stated_are_no_effect() -> None:
     """All of them 2.5 times as far as the data sheet says: no single link is the one that is."""
     read = Case(609666504, spread=2.5).simulate()[0]
@@ -119,6 +122,7 @@ def test_numbers_further_off_than_stated_are_no_effect() -> None:
     assert names(found) == []
 
 
+@pytest.mark.slow
 def test_what_is_too_small_for_a_name_is_not_unexplained_either() -> None:
     """A friction off by a hundredth of the torque: a function of the speed says it worse."""
     read = independent("clean", 2, 991217)[1].simulate()[0]
@@ -126,6 +130,7 @@ def test_what_is_too_small_for_a_name_is_not_unexplained_either() -> None:
     assert found.verdict == "nothing_missing"
 
 
+@pytest.mark.slow
 def test_friction_of_one_joint_is_no_effect_where_all_numbers_are_further_off() -> None:
     """Of the second plant, 2.5 times: a viscous_change 5 and a link_inertia 2 before."""
     (case,) = suite("wrong_priors", 1, 1, 991217)
@@ -146,6 +151,7 @@ def test_a_load_that_the_numbers_take_in_is_said_as_numbers_that_moved() -> None
     assert "is the load declared?" in off_bodies(found.numbers)
 
 
+@pytest.mark.slow
 def test_dry_friction_that_builds_up_over_an_angle_is_a_hysteresis() -> None:
     found = diagnose(ROBOT, with_torque(2, 25.0 * (turned_over(2, 0.02) - np.sign(speed(2)))))
     assert names(found) == [("hysteresis", 2)]
@@ -164,6 +170,7 @@ def test_a_wrist_coupling_of_one_direction_with_dry_friction_is_named(travel: fl
     assert abs(effect.neighbour_dry_Nm) < 0.3
 
 
+@pytest.mark.slow
 def test_a_wrist_whose_first_axis_turns_the_motor_of_the_third_is_named() -> None:
     """The shaft of axis 6 runs through those of axes 4 and 5: on the arm of another maker axis 4
     was told to have something without a name that follows the speed of axis 6."""
@@ -182,6 +189,7 @@ def test_a_wrist_whose_first_axis_turns_the_motor_of_the_third_is_named() -> Non
     assert ("far_wrist_coupling", 4) not in names(diagnose(ROBOT, alone))
 
 
+@pytest.mark.slow
 def test_a_motor_that_two_axes_turn_is_named_without_a_coupling_of_neighbours() -> None:
     """Two arms whose axes 4 and 6 turned one motor had two laws without a name, 1,043 nats of what
     was the speed of the other axis."""
@@ -196,6 +204,7 @@ def test_a_motor_that_two_axes_turn_is_named_without_a_coupling_of_neighbours() 
     assert found.verdict == "explained"
 
 
+@pytest.mark.slow
 def test_a_name_says_what_it_is_worth_on_unseen_stretches() -> None:
     found = diagnose(ROBOT, with_torque(4, 6.0 * np.sin(12.0 * sound().q[:, 3])))
     (finding,) = found.findings
@@ -205,6 +214,7 @@ def test_a_name_says_what_it_is_worth_on_unseen_stretches() -> None:
     assert finding.to_json()["validation_gain_percent"] == round(finding.validation_gain, 2)
 
 
+@pytest.mark.slow
 def test_a_contact_that_sticks_before_it_slides_is_no_effect() -> None:
     """Friction of bristles on every joint, and two kilograms that nobody declared: nothing else."""
     (case,) = suite("payload", 1, 1, 922905)
@@ -213,6 +223,7 @@ def test_a_contact_that_sticks_before_it_slides_is_no_effect() -> None:
     assert names(found) == [("payload", None)]
 
 
+@pytest.mark.slow
 def test_a_product_of_two_speeds_is_unexplained_over_both() -> None:
     """No law of the library holds it: not an offset from some moment on."""
     product = speed(5) * speed(4)

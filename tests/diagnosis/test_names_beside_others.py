@@ -15,17 +15,18 @@ from irb2400_ctrl.diagnosis import diagnose
 from irb2400_ctrl.measurement import Log
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "place", "seed"),
     [
         # four kilograms beside play of axis 2: on the other joints that leaves little
-        pytest.param("pairs", 3, 20261124, marks=pytest.mark.slow),
+        ("pairs", 3, 20261124),
         # grease of axis 5 beside a coupling of axis 5: more than another shape of that leaves, and
         # its two rates end beyond the record
-        pytest.param("three", 3, 20261123, marks=pytest.mark.slow),
+        ("three", 3, 20261123),
         # friction of axis 4 that grows with the motor's torque, not with what moves the links, and
         # grease of axis 6
-        pytest.param("pairs", 0, 20261127, marks=pytest.mark.slow),
+        ("pairs", 0, 20261127),
         # play of axis 1, on which no weight rests, beside a wrong zero of axis 2: it was a spring;
         # a delay of axis 6 beside them (0.5) is false
         ("pairs", 5, 20261720),
@@ -67,6 +68,7 @@ def test_a_cylinder_of_nearly_constant_force_is_a_balancer(sign: float) -> None:
     assert np.corrcoef(said, true)[0, 1] > 0.9
 
 
+@pytest.mark.slow
 def test_a_rotor_beside_a_cable_of_its_joint_is_named() -> None:
     """Ten times less torque than the cable's: as much as a cable of another shape might leave, but
     not in the acceleration."""
@@ -80,6 +82,7 @@ def test_a_rotor_beside_a_cable_of_its_joint_is_named() -> None:
     assert set(names(found)) == {("cable_spring", 1), ("rotor_inertia", 1)}
 
 
+@pytest.mark.slow
 def test_a_reading_that_drifts_is_no_gain_from_some_moment_on() -> None:
     """A drive reads friction as well: what drifts is of the whole torque."""
     log = sound()
@@ -106,6 +109,7 @@ def test_a_motor_in_saturation_has_no_other_gain(number: int, joint: int) -> Non
     assert [(u.joint, u.depends_on) for u in found.unexplained] == [(joint, ("load", "qd"))]
 
 
+@pytest.mark.slow
 def test_a_gear_that_loses_more_braked_than_driven_leaves_no_gain() -> None:
     """What it loses more is |load| sgn(qd) sgn(load qd), the load itself: beside its friction there
     was a gain of 0.985 at 0.96."""

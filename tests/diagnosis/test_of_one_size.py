@@ -33,6 +33,7 @@ def test_torques_that_are_late_alike_are_a_delay_of_all_joints() -> None:
     assert (finding.effect.kind, finding.effect.joint) == ("time_delay", None)
 
 
+@pytest.mark.slow
 def test_torques_that_are_late_each_in_its_own_way_are_no_delay_of_all_joints() -> None:
     found = names(diagnose(ROBOT, late([6.0, 12.0, 2.0, 12.0, 2.0, 12.0])))
     assert ("time_delay", None) not in found

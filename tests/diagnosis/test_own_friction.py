@@ -48,6 +48,7 @@ def test_a_friction_is_large_against_the_friction_of_its_joint() -> None:
     assert held([1.0, -1.0, 1.0, -1.0], friction_known=np.zeros((3, 4))) == 300.0
 
 
+@pytest.mark.slow
 def test_friction_of_an_axis_that_bears_weight_is_named() -> None:
     """1.6 Nm with the square of the speed, on an axis of 244 Nm of which 17 Nm are friction."""
     square = speed(3) * np.abs(speed(3))

@@ -14,7 +14,7 @@ from irb2400_ctrl.diagnosis.comparison.polish import polished
 from irb2400_ctrl.effects import LIBRARY, Effect
 
 
-@pytest.mark.parametrize("rough", [True, False])
+@pytest.mark.parametrize("rough", [True, pytest.param(False, marks=pytest.mark.slow)])
 def test_a_stiffness_leaves_the_grid_and_is_not_known_to_a_thousandth(
     monkeypatch: pytest.MonkeyPatch, rough: bool
 ) -> None:
@@ -40,6 +40,7 @@ def test_a_stiffness_leaves_the_grid_and_is_not_known_to_a_thousandth(
     assert 0.02 < damping / finding.effect.damping_ratio < 0.5
 
 
+@pytest.mark.slow
 def test_a_spring_far_from_the_best_point_of_its_grid_is_named() -> None:
     """That point, judged under the noise without the spring, was 0.55 of its stiffness; a search
     in small steps ended at a damping ratio of 0.44, which no spring has, and nothing was said."""
@@ -51,6 +52,7 @@ def test_a_spring_far_from_the_best_point_of_its_grid_is_named() -> None:
     assert stiffness == pytest.approx(drawn.told()["stiffness_Nm_rad"], rel=0.25)
 
 
+@pytest.mark.slow
 def test_a_damping_that_no_evidence_asks_for_stays_usual() -> None:
     """It went to 0.006 for three nats, where what the file says swings on for the whole log: the
     spring was not borne out, and nothing was said."""

@@ -80,6 +80,7 @@ def test_a_push_beside_the_tip_is_named_with_its_moment(place: npt.NDArray[np.fl
     assert coefficients[3:] == pytest.approx(np.cross(place, FORCE), abs=1.0)
 
 
+@pytest.mark.slow
 def test_a_knock_is_found_to_the_sample() -> None:
     """Where an edge was moved by steps of a quarter of a second, knocks of 0.3 to 0.8 s were left
     without a name on four of twelve arms, a payload of -0.8 kg on one, and forces a fifth to a half
@@ -97,6 +98,7 @@ def test_a_knock_is_found_to_the_sample() -> None:
     assert name.effect.sizes()[0] == pytest.approx(np.linalg.norm(FORCE), abs=6.0)
 
 
+@pytest.mark.slow
 def test_a_knock_that_swells_has_no_moment() -> None:
     """A constant force leaves its swelling, which in one posture is a moment as well: 31 N were
     1,400 N with 400 Nm."""

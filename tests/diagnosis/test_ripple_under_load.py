@@ -7,6 +7,7 @@ import pytest
 from plant_logs import case_of, diagnosed
 
 
+@pytest.mark.slow
 def test_it_is_named_with_its_amplitude_under_the_usual_load() -> None:
     """It was a function of two angles without a name, of which the other changes the load."""
     case = case_of(20263541, "single/42")

@@ -115,6 +115,7 @@ def told(effect: Effect, stated: Effect | None) -> str:
     return finding.says
 
 
+@pytest.mark.slow
 def test_what_passes_for_a_stated_effect_may_be_that_one_become_less() -> None:
     """A cable spring of 30 Nm/rad that the file states and the arm has lost is no spring of its
     kind, which only pulls: it was a balancer at 0.96 with no alternative."""

@@ -185,10 +185,11 @@ def test_separates_better_on_the_independent_plant(
     assert after > times * before
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("group", "kind", "joint", "fraction", "seed"),
     [
-        pytest.param("friction level", "load_friction", 3, 0.03, 2, marks=pytest.mark.slow),
+        ("friction level", "load_friction", 3, 0.03, 2),
         # below a share of 1 % of the joint's torque nothing is named
         ("position error", "encoder_zero", 2, 0.03, 1),
     ],

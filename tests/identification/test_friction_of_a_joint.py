@@ -67,6 +67,7 @@ def test_what_is_little_sample_by_sample_is_told_along_the_motion() -> None:
     assert "but" in lines(found(1.4))[0]
 
 
+@pytest.mark.slow
 def test_an_unchanged_joint_has_no_other_friction() -> None:
     assert found(1.0).numbers == ()
     assert "Nothing has changed" in lines(found(1.0))[0]

@@ -69,6 +69,7 @@ def test_the_guess_holds_the_weight_that_was_measured(monkeypatch: pytest.Monkey
     sys.modules.pop("benchmarks", None)
 
 
+@pytest.mark.slow
 def test_an_inertia_that_the_file_leaves_out_is_not_known_to_be_zero(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

@@ -61,7 +61,7 @@ def values(found: Identification) -> tuple[np.ndarray, np.ndarray]:
     return found.theta[places], found.standard_errors[places]
 
 
-@pytest.mark.parametrize("samples", [4, -4])
+@pytest.mark.parametrize("samples", [4, pytest.param(-4, marks=pytest.mark.slow)])
 def test_they_are_taken_at_the_time_of_the_angles(samples: int) -> None:
     found = identified(samples)
     step = float(np.median(np.diff(sound().time)))

@@ -43,7 +43,7 @@ def loss(found: irb.Robot) -> dict[int | None, float]:
     return {e.joint: e.coefficient for e in found.effects if e.kind == "load_friction"}
 
 
-@pytest.mark.parametrize("joint", [2, 4])
+@pytest.mark.parametrize("joint", [2, pytest.param(4, marks=pytest.mark.slow)])
 def test_what_a_gear_loses_is_found(joint: int) -> None:
     found = identified(joint)
     (effect,) = case(joint).truth

@@ -41,9 +41,8 @@ def test_a_file_wrong_in_its_bodies_is_no_balancer(monkeypatch: pytest.MonkeyPat
     sys.modules.pop("benchmarks", None)
 
 
-@pytest.mark.parametrize(
-    ("seed", "joint"), [(8024, 2), pytest.param(12024, 4, marks=pytest.mark.slow)]
-)
+@pytest.mark.slow
+@pytest.mark.parametrize(("seed", "joint"), [(8024, 2), (12024, 4)])
 def test_friction_that_bends_is_held_against_faster_motion(
     seed: int, joint: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -26,7 +26,11 @@ def identified(*factors: float) -> Identification:
 
 @pytest.mark.parametrize(
     "gain",
-    [(1.0, 1.12, 0.91, 1.0, 1.06, 1.0), (1.2, 0.9, 0.9, 1.3, 0.8, 1.0), (1, 1, 1, 1.7, 1, 1)],
+    [
+        pytest.param((1.0, 1.12, 0.91, 1.0, 1.06, 1.0), marks=pytest.mark.slow),
+        (1.2, 0.9, 0.9, 1.3, 0.8, 1.0),
+        pytest.param((1, 1, 1, 1.7, 1, 1), marks=pytest.mark.slow),
+    ],
 )
 def test_what_the_channels_have_apart_is_found(gain: tuple[float, ...]) -> None:
     gains = identified(*gain).gains

@@ -45,6 +45,7 @@ def test_a_wrong_column_is_refused(log: irb.Log, factor: tuple[float, ...], says
         irb.identify(irb.load_robot("irb2400"), with_torque(log, np.array(factor)))
 
 
+@pytest.mark.slow
 def test_of_several_it_is_left_out(log: irb.Log) -> None:
     turned = with_torque(log, np.array((1, 1, -1, 1, 1, 1)))
     found = irb.identify(irb.load_robot("irb2400"), [log, turned], validation=[turned, log])

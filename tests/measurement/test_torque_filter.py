@@ -129,6 +129,7 @@ def test_a_sound_arm_stays_one_and_the_filter_is_said() -> None:
     assert "about 2.5 Hz" in told
 
 
+@pytest.mark.slow
 def test_an_effect_is_named_through_the_filter() -> None:
     found = diagnosed(Effect("torque_gain", 5, 0.1))
     assert [(f.effect.kind, f.effect.joint) for f in found.findings] == [("torque_gain", 5)]

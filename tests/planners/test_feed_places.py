@@ -13,7 +13,9 @@ from irb2400_ctrl.planners.toolpath.task_curve import smooth_curve
 ROBOT = load_robot("irb2400")
 
 
-@pytest.mark.parametrize("before", [0.002, 0.007, 0.05])
+@pytest.mark.parametrize(
+    "before", [0.002, *(pytest.param(time, marks=pytest.mark.slow) for time in (0.007, 0.05))]
+)
 def test_a_rapid_approach_ends_where_the_cut_begins(before: float) -> None:
     # down a straight line: rapid to 0.55, then 100 mm at 5 mm/s
     top = 0.55 + before

@@ -78,6 +78,7 @@ def test_accelerations_that_jump_leave_room_for_the_rows(tmp_path: Path) -> None
     assert found.duration < 1.5 * smooth.duration
 
 
+@pytest.mark.slow
 def test_effects_with_bounds_of_their_own(tmp_path: Path) -> None:
     effects = (
         LoadFriction(joint=2, coefficient=0.08, source="drawn"),

@@ -97,7 +97,8 @@ def test_a_rail_askew(tmp_path: Path) -> None:
     assert looked_at(found, track, path, tmp_path).above(found) == []
 
 
-@pytest.mark.parametrize("share", [1.0, pytest.param(0.0, marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("share", [1.0, 0.0])
 def test_friction_that_grows_with_the_load_feels_the_carriage(share: float) -> None:
     effect = LoadFriction(joint=1, coefficient=0.2, friction_share=share, source="drawn")
     robot = ROBOT.model_copy(update={"effects": (effect,)})

@@ -61,6 +61,7 @@ def test_the_seam_is_driven(folder: Path) -> None:
         assert ends == pytest.approx(after["rail_mm"], abs=1e-6)
 
 
+@pytest.mark.slow
 def test_the_file_goes_on_without_a_jump(folder: Path) -> None:
     path = folder / "seam" / "trajectory.csv"
     header, first = path.read_text().split("\n")[:2]
@@ -79,6 +80,7 @@ def test_the_file_goes_on_without_a_jump(folder: Path) -> None:
         simulate(robot, motion, controller("computed_torque", robot))
 
 
+@pytest.mark.slow
 def test_rapid_is_read_back(folder: Path) -> None:
     text = (folder / "seam" / "program.mod").read_text()
     assert check_rapid(text) == ()
@@ -95,6 +97,7 @@ def test_rapid_is_read_back(folder: Path) -> None:
     assert max(np.abs(rows - target).max(axis=1).min() for target in targets) < 1e-5
 
 
+@pytest.mark.slow
 def test_both_ends_are_out_of_reach_of_a_carriage_that_stands(folder: Path) -> None:
     text = (folder / "cell.toml").read_text().replace('position_mm = "move"', "position_mm = 2000")
     (folder / "standing.toml").write_text(text)
