@@ -300,6 +300,7 @@ FINI
 """
 
 
+@pytest.mark.slow
 def test_a_program_with_a_long_cut_and_a_short_one(tmp_path: Path) -> None:
     file = tmp_path / "beam.apt"
     file.write_text(BEAM)

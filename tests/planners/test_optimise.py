@@ -132,6 +132,7 @@ def test_torque_rate_is_kept_and_the_start_has_no_jump(robot: irb.Robot) -> None
     keeps_limits_at_10_kHz(robot, found)
 
 
+@pytest.mark.slow
 def test_the_torque_rate_of_the_robot_file_is_kept(robot: irb.Robot) -> None:
     most = 20 * robot.tau_max
     # the first axis states none

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -29,21 +31,30 @@ FRAME = work_frame("900,-20,450,0,0,0")
 UP = np.array([0.0, 0.0, 1.0])
 
 
+MORE = ("drilling pattern", "pocket with walls")
+Planned = Callable[[str], ProgramPlan]
+
+
 @pytest.fixture(scope="module")
-def planned(tmp_path_factory: pytest.TempPathFactory) -> dict[str, ProgramPlan]:
-    """Of every named program, planned once."""
+def planned(tmp_path_factory: pytest.TempPathFactory) -> Planned:
+    """A named program, planned when it is first asked for."""
     folder = tmp_path_factory.mktemp("programs")
-    found = {}
-    for name, (suffix, text) in PROGRAMS.items():
+
+    @cache
+    def plan(name: str) -> ProgramPlan:
+        suffix, text = PROGRAMS[name]
         file = folder / f"{name.replace(' ', '_')}{suffix}"
         file.write_text(text)
-        found[name] = plan_program(ROBOT, read_program(file), work_frame=FRAME)
-    return found
+        return plan_program(ROBOT, read_program(file), work_frame=FRAME)
+
+    return plan
 
 
-@pytest.fixture(params=PROGRAMS)
-def motion(request: pytest.FixtureRequest, planned: dict[str, ProgramPlan]) -> ProgramMotion:
-    found = planned[request.param]
+@pytest.fixture(
+    params=[pytest.param(name, marks=[pytest.mark.slow] * (name in MORE)) for name in PROGRAMS]
+)
+def motion(request: pytest.FixtureRequest, planned: Planned) -> ProgramMotion:
+    found = planned(request.param)
     assert [o.refused for o in found.operations] == [""] * len(found.operations)
     assert found.motion is not None, found.refused_links
     return found.motion
@@ -108,8 +119,8 @@ def test_the_joints_only_move_above_the_clearance_plane(motion: ProgramMotion) -
     assert motion.plane.height >= cut * 0.99
 
 
-def test_order_of_two_tools_and_a_stop(planned: dict[str, ProgramPlan]) -> None:
-    motion = planned["two tools and a stop"].motion
+def test_order_of_two_tools_and_a_stop(planned: Planned) -> None:
+    motion = planned("two tools and a stop").motion
     assert motion is not None
     kinds = [(s.kind, s.operation) for s in motion.segments]
     assert kinds[0] == ("approach", 1)
@@ -137,9 +148,9 @@ def test_order_of_two_tools_and_a_stop(planned: dict[str, ProgramPlan]) -> None:
 
 
 def test_the_last_part_of_a_lead_in_is_driven_at_the_feed(
-    planned: dict[str, ProgramPlan],
+    planned: Planned,
 ) -> None:
-    motion = planned["two tools and a stop"].motion
+    motion = planned("two tools and a stop").motion
     assert motion is not None
     # operation 2 goes on cutting after the stop, at 20 mm/s
     line = next(s for s in motion.segments if s.kind == "lead-in" and s.operation == 2)
@@ -156,8 +167,8 @@ def test_the_last_part_of_a_lead_in_is_driven_at_the_feed(
     assert np.ptp(places, axis=0).max() < 1e-5
 
 
-def test_the_dome_is_unwound_where_it_costs_least(planned: dict[str, ProgramPlan]) -> None:
-    found = planned["spiral over a dome"]
+def test_the_dome_is_unwound_where_it_costs_least(planned: Planned) -> None:
+    found = planned("spiral over a dome")
     motion = found.motion
     assert motion is not None
     assert len(motion.unwindings) >= 1
@@ -178,8 +189,8 @@ def test_the_dome_is_unwound_where_it_costs_least(planned: dict[str, ProgramPlan
         assert segment.piece.lowest > -2e-3
 
 
-def test_program_json_and_the_folders(planned: dict[str, ProgramPlan], tmp_path: Path) -> None:
-    found = planned["spiral over a dome"]
+def test_program_json_and_the_folders(planned: Planned, tmp_path: Path) -> None:
+    found = planned("spiral over a dome")
     found.write(tmp_path)
     assert (tmp_path / "trajectory.csv").is_file()
     assert (tmp_path / "01_DOME" / "part_1" / "plan.json").is_file()
@@ -189,8 +200,8 @@ def test_program_json_and_the_folders(planned: dict[str, ProgramPlan], tmp_path:
     assert summary["operations"][0]["parts"] == len(found.operations[0].runs)
 
 
-def test_a_whole_program_as_rapid_reads_back(planned: dict[str, ProgramPlan]) -> None:
-    found = planned["two tools and a stop"]
+def test_a_whole_program_as_rapid_reads_back(planned: Planned) -> None:
+    found = planned("two tools and a stop")
     motion = found.motion
     assert motion is not None
     options = RapidOptions(signals=SIGNALS, targets_per_module=100)

@@ -13,7 +13,6 @@ from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.planners import LinkOptions, plan_path, plan_program, read_program
 from irb2400_ctrl.planners.programs.rapid import rapid_program, read_rapid
 from irb2400_ctrl.planners.programs.rapid.rapid_of_plan import rapid_of_motion, rapid_of_plan
-from irb2400_ctrl.planners.toolpath.cam_program import CamProgram
 from irb2400_ctrl.planners.toolpath.work_frame import work_frame
 
 # down rapidly and on at the feed, cuts at three feeds and a rapid move in one line
@@ -29,10 +28,13 @@ def robot() -> irb.Robot:
     return irb.load_robot("irb2400")
 
 
-def plunge(folder: Path) -> CamProgram:
-    file = folder / "plunge.nc"
+@pytest.fixture(scope="module")
+def plunge(tmp_path_factory: pytest.TempPathFactory, robot: irb.Robot) -> str:
+    """The module of the plunge."""
+    file = tmp_path_factory.mktemp("feeds") / "plunge.nc"
     file.write_text(PLUNGE)
-    return read_program(file)
+    path = read_program(file).operation().path
+    return rapid_of_plan(plan_path(robot, path, work_frame=work_frame(FRAME))).text
 
 
 def speed_at(robot: irb.Robot, text: str, place: Array) -> float:
@@ -54,13 +56,10 @@ def speed_at(robot: irb.Robot, text: str, place: Array) -> float:
     [((0, 0, 3), 2), ((0, 0, -4), 2), ((39, 0, -5), 10), ((41, 0, -5), 5), ((89, 0, -5), 15)],
 )
 def test_no_cut_is_as_fast_as_the_rapid_move_in_its_line(
-    tmp_path: Path, robot: irb.Robot, place: tuple[float, ...], feed: float
+    robot: irb.Robot, plunge: str, place: tuple[float, ...], feed: float
 ) -> None:
-    path = plunge(tmp_path).operation().path
-    plan = plan_path(robot, path, work_frame=work_frame(FRAME))
-    text = rapid_of_plan(plan).text
-    assert speed_at(robot, text, 1e-3 * np.add(place, [950, 0, 500])) <= feed
-    assert speed_at(robot, text, 1e-3 * np.array([950, 0, 530])) > 100
+    assert speed_at(robot, plunge, 1e-3 * np.add(place, [950, 0, 500])) <= feed
+    assert speed_at(robot, plunge, 1e-3 * np.array([950, 0, 530])) > 100
 
 
 def test_the_last_part_of_a_lead_in_is_at_the_feed(tmp_path: Path, robot: irb.Robot) -> None:
