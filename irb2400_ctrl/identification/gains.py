@@ -2,16 +2,12 @@
 
 A log alone cannot tell a drive that reads 10 % too much from an arm that is 10 % heavier. A load
 that was weighed can: the same arm is recorded without it and with it, and what the load adds,
-
-    tau_loaded - tau_model(unloaded) = gain_j tau_load,j + b0 + b1 sgn qd + b2 qd,
-
-is known in true Nm. b are what friction and offset of that day changed. Without a load the logs
-tell what the channels have apart (`fitting/relative_gains.py`).
+is known in true Nm (`known_load/`). Without a load the logs tell what the channels have apart
+(`fitting/relative_gains.py`).
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
@@ -21,35 +17,25 @@ from irb2400_ctrl.arrays import Array, Mask
 from irb2400_ctrl.effects import LIBRARY
 from irb2400_ctrl.effects.torque_gain import TorqueGain
 from irb2400_ctrl.errors import InputError
-from irb2400_ctrl.identification.fitting.columns import columns
 from irb2400_ctrl.identification.fitting.estimate import scaled_inverse
-from irb2400_ctrl.identification.fitting.fit import ASIDE, fit
 from irb2400_ctrl.identification.fitting.fitted import Fit
-from irb2400_ctrl.identification.fitting.given import given_torque
-from irb2400_ctrl.identification.fitting.moments import Recording, predicted
 from irb2400_ctrl.identification.fitting.relative_gains import relative_gains
-from irb2400_ctrl.identification.identified_robot import fit_base
-from irb2400_ctrl.identification.late_torques import delays, prepared
 from irb2400_ctrl.measurement import Log
-from irb2400_ctrl.model import Model
-from irb2400_ctrl.robot import Body, Robot
+from irb2400_ctrl.robot import Robot
 from irb2400_ctrl.wording import joined, numbered
 
 SURE = 0.05
 """standard error up to which a gain is known [-]"""
-POSSIBLE = (0.3, 3.0)
-"""gains of a channel that reads torque at the joint at all [-]"""
-FELT = 0.03
-"""scatter of the load's torque over that of the joint's, below which its inertia counts as much"""
-FEWEST = 100
-"""samples of a joint that moves"""
 SHARED = 1.3
 """factor beyond which gains of all joints come from one mistake"""
 FEWEST_ALIKE = 2
 """joints that share it"""
-ROUNDS = 3
-EVERY = 10
-"""of so many samples one carries the uncertainty of the unloaded arm"""
+EQUAL = 1.05
+"""factor between gains that come from one mistake, where they are not beyond `SHARED`"""
+CLEAR = 3.5
+"""standard errors from which something is sure enough to be said, or refused"""
+THREE = 3
+"""joints that are so equal by no chance"""
 
 CONTRADICTED = (
     "over these gains the torque channels do not agree on the bodies that all joints feel: the "
@@ -119,15 +105,30 @@ class Gains:
                     "move it where the load asks more of it"
                 )
             found.append(f"joint {j + 1} {said}")
-        some = np.abs(np.log(self.values[self.known]))
-        same = len(set(np.sign(np.log(self.values[self.known])))) == 1
-        if len(some) >= FEWEST_ALIKE and same and some.min() > np.log(SHARED):
-            middle = float(np.exp(np.median(np.log(self.values[self.known]))))
-            found.append(
+        return [*found, *self._alike()]
+
+    def _alike(self) -> list[str]:
+        """A line where all gains come from one mistake."""
+        known = self.values[self.known]
+        if len(known) < FEWEST_ALIKE or not (known > 0.0).all():
+            return []
+        size = np.log(known)
+        if len(set(np.sign(size))) > 1:
+            return []
+        middle = float(np.exp(np.median(size)))
+        if np.abs(size).min() > np.log(SHARED):
+            return [
                 f"all known gains are about {middle:.2g}: the torque channels are of another unit, "
                 "or the load that was stated is not the one on the arm (mass in kg, centre in mm)"
-            )
-        return found
+            ]
+        off = np.abs(known - 1.0)
+        equal = len(known) >= THREE and known.max() < EQUAL * known.min()
+        if equal and abs(middle - 1.0) > SURE and (off > CLEAR * self.errors[self.known]).all():
+            return [
+                f"all known gains are about {middle:.2f}: a load of {middle:.2f} times the stated "
+                "mass looks the same, and the arm would then be read as it is. Weigh it again"
+            ]
+        return []
 
     def _apart(self) -> str:
         read = ", ".join(
@@ -150,63 +151,6 @@ class Gains:
             "standard_error": [float(v) for v in self.errors],
             "known": [bool(v) for v in self.known],
         }
-
-
-def known_load_gains(robot: Robot, logs: Sequence[Log], loaded: Sequence[Log], load: Body) -> Gains:
-    """Gains from logs without and with a load that was weighed.
-
-    Args:
-        load: mass, centre and inertia in the axes of the flange.
-
-    Raises:
-        InputError: a log is missing, or a gain is far from that of any torque channel.
-    """
-    if not logs or not loaded:
-        raise InputError(
-            f"known load: found {len(logs)} logs without and {len(loaded)} with it, expected at "
-            "least one of each"
-        )
-    base, kept = fit_base(robot)
-    model = Model(base)
-
-    def recorded(some: Sequence[Log]) -> list[Recording]:
-        return given_torque(kept, prepared(some, "angle", delays(model, kept, some)))
-
-    found = fit(model, recorded(logs))
-    phi = np.zeros((robot.n, 10))
-    phi[-1] = load.parameters(robot.flange.matrix())
-    values = np.ones(robot.n)
-    errors = np.full(robot.n, np.inf)
-    others = recorded(loaded)
-    torque = [model.body_torque(p.motion.q, p.motion.qd, p.motion.qdd, phi.ravel()) for p in others]
-    for j in range(robot.n):
-        X = np.concatenate([_design(p, t, j) for p, t in zip(others, torque, strict=True)])
-        theta, covariance = _alone(found, j)
-        rest = [p.motion.tau - predicted(model, found.layout, p, theta) for p in others]
-        y = np.concatenate([r[p.motion.known[:, j], j] for p, r in zip(others, rest, strict=True)])
-        measured = np.concatenate([p.motion.tau[p.motion.known[:, j], j] for p in others])
-        if len(y) < FEWEST or np.std(X[:, 0]) < FELT * np.std(measured):
-            continue
-        rows = [
-            columns(model, found.layout, m.q[mask], m.qd[mask], m.qdd[mask])[:, j]
-            for m, mask in ((p.motion, _thinned(p, j)) for p in others)
-        ]
-        some = np.concatenate([_design(p, t, j, True) for p, t in zip(others, torque, strict=True)])
-        carried = np.linalg.pinv(some) @ np.concatenate(rows)
-        coefficients = np.linalg.lstsq(X, y, rcond=None)[0]
-        values[j] = coefficients[0]
-        variance = _blockwise(X, y - X @ coefficients)
-        errors[j] = np.sqrt(variance + carried[0] @ covariance @ carried[0])
-    gains = Gains(values, errors)
-    wrong = gains.known & ((values < POSSIBLE[0]) | (values > POSSIBLE[1]))
-    if wrong.any():
-        j = int(np.argmax(wrong))
-        raise InputError(
-            f"known load: found joint {j + 1} to read {values[j]:.2g} times the load's torque, "
-            f"expected {POSSIBLE[0]:g} to {POSSIBLE[1]:g}: is the load's mass in kg, its centre in "
-            "the axes of the flange, and is it on the arm in these logs?"
-        )
-    return gains
 
 
 def gains_of_others(found: Fit) -> Gains | None:
@@ -263,42 +207,3 @@ def open_by_gain(found: Fit, gains: Gains | None) -> Array:
     spread = np.where(gains.known, gains.errors, 0.0) / gains.values
     slopes = inverse @ (spread * weight * data.g[0].T)
     return np.asarray(slopes @ slopes.T)
-
-
-def _alone(found: Fit, j: int) -> tuple[Array, Array]:
-    """Numbers of the unloaded arm as one joint alone reads them, and their covariance: channels
-    with gains of their own agree on no bodies, so the file hardly counts."""
-    data = found.sums.summed()
-    H = data.H[0, j]
-    g = data.g[0, j]
-    precision = found.prior.precision(np.full(found.layout.n, ASIDE))
-    variance = found.numbers.sigma[j] ** 2
-    for _ in range(ROUNDS):
-        weight = 1.0 / (variance * found.correlation[j])
-        covariance = scaled_inverse(weight * H + precision)
-        theta = covariance @ (weight * g + precision @ found.prior.mean)
-        left = float(data.squared_error(theta)[0, j])
-        variance = max(left / max(float(data.count[0, j]), 1.0), 1e-12)
-    return theta, covariance
-
-
-def _thinned(part: Recording, j: int) -> Mask:
-    known = part.motion.known[:, j].copy()
-    known[np.arange(len(known)) % EVERY != 0] = False
-    return known
-
-
-def _design(part: Recording, torque: Array, j: int, thinned: bool = False) -> Array:
-    """Load's torque, 1, sgn qd, qd of one joint at known samples, (k, 4)."""
-    mask = _thinned(part, j) if thinned else part.motion.known[:, j]
-    qd = part.motion.qd[mask, j]
-    return np.column_stack([torque[mask, j], np.ones_like(qd), np.sign(qd), qd])
-
-
-def _blockwise(X: Array, left: Array, blocks: int = 30) -> float:
-    """Variance of the first coefficient from how blocks of time disagree."""
-    inverse = np.linalg.pinv(X.T @ X)
-    scores = np.array(
-        [X[part].T @ left[part] for part in np.array_split(np.arange(len(X)), blocks)]
-    )
-    return float((inverse @ (scores.T @ scores) @ inverse)[0, 0] * blocks / (blocks - 1))

@@ -32,7 +32,6 @@ from irb2400_ctrl.identification.gains import (
     Gains,
     gains_of_file,
     gains_of_others,
-    known_load_gains,
     open_by_gain,
     without_gains,
 )
@@ -47,6 +46,7 @@ from irb2400_ctrl.identification.guessed_bodies import (
 from irb2400_ctrl.identification.held_out import held_out, slowly_left
 from irb2400_ctrl.identification.identification import Identification, LogResult
 from irb2400_ctrl.identification.identified_robot import fit_base, identified_robot
+from irb2400_ctrl.identification.known_load.gains_from_load import weighed_load
 from irb2400_ctrl.identification.late_torques import (
     Late,
     delays,
@@ -57,7 +57,11 @@ from irb2400_ctrl.identification.late_torques import (
 from irb2400_ctrl.identification.moved import moved_bodies
 from irb2400_ctrl.identification.notes import notes_of, of_the_bodies, resting
 from irb2400_ctrl.identification.odd_logs import odd_logs
-from irb2400_ctrl.identification.understood_logs import borne_out, said_of, understood_logs
+from irb2400_ctrl.identification.understood_logs import (
+    borne_out,
+    said_of,
+    understood_logs,
+)
 from irb2400_ctrl.measurement import Log
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.model.plausibility import unknown_bodies
@@ -115,7 +119,9 @@ def identify(
                 "expected both (--loaded LOG --load KG,X,Y,Z)"
             )
         _check(robot, [*seen, *heavy])
-        gains = known_load_gains(robot, seen, heavy, load) if load else gains_of_file(robot)
+        if load is not None:
+            return _in_true_torque(robot, seen, others, *weighed_load(robot, seen, heavy, load))
+        gains = gains_of_file(robot)
         if gains is None:
             found, fitted = _identified(robot, seen, others, None)
             gains = gains_of_others(fitted)
@@ -124,12 +130,20 @@ def identify(
         return _in_true_torque(robot, seen, others, gains)
 
 
-def _in_true_torque(robot: Robot, seen: Logs, others: Logs, gains: Gains) -> Identification:
-    """The fit to torques over the gains of their channels; the robot says what is read."""
+def _in_true_torque(
+    robot: Robot, seen: Logs, others: Logs, gains: Gains, said: Sequence[str] = ()
+) -> Identification:
+    """The fit to torques over the gains of their channels; the robot says what is read.
+
+    Args:
+        robot: the file.
+        seen, others: logs to fit and to judge by.
+        gains: of the channels; said: of the logs that they are from.
+    """
     true, judges = ([gains.applied(log) for log in some] for some in (seen, others))
     found, fitted = _identified(without_gains(robot), true, judges, gains)
     known = gains.in_robot(found.robot)
-    notes = [*found.notes, *gains.says(), *gains.doubted_by(fitted)]
+    notes = [*found.notes, *said, *gains.says(), *gains.doubted_by(fitted)]
     return replace(found, given=robot, robot=known, gains=gains, notes=notes)
 
 

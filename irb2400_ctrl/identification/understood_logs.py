@@ -51,13 +51,18 @@ def said_of(*found: SortedLogs) -> list[str]:
     return notes
 
 
+def doubts_of(found: SortedLogs) -> dict[str, str]:
+    """What is said of each log that fits the file's numbers under no reading, by its name."""
+    return {log.name: seen.problem.says for log, seen in found.taken if seen.problem}
+
+
 def borne_out(found: SortedLogs, results: Sequence[LogResult]) -> list[str]:
     """What is said of logs that the identified arm hardly fits, or the file.
 
     Raises:
         InputError: the arm that was identified does not fit a doubtful log either.
     """
-    doubts = {log.name: seen.problem.says for log, seen in found.taken if seen.problem}
+    doubts = doubts_of(found)
     notes = []
     for result in results:
         if result.role != "identification":
