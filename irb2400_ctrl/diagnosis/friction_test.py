@@ -4,7 +4,8 @@ What makes a gear stiffer multiplies its dry friction, its viscous friction and 
 load alike: tau = (1 + a) f, with f the friction of the reference along today's motion. Held sample
 by sample against what a model leaves of any motion, a change by two fifths may be little; along the
 motion it is one number (`one_number.py`), against what the reference's friction scattered by from
-log to log and what changes from day to day.
+log to log and what changes from day to day. What changes as a whole is there with all numbers as
+given, too: a law that bends otherwise than the reference's moves one part of it against the others.
 """
 
 from __future__ import annotations
@@ -23,6 +24,8 @@ from irb2400_ctrl.robot import Robot
 
 PARTS = ("load_friction", "viscous_power")
 """effects that are a part of the friction of their joint"""
+WHOLE = 0.5
+"""share of a change that the torque shows with all numbers as given"""
 
 
 def friction_along(robot: Robot, bases: Bases, motion: PreparedLog) -> Array:
@@ -56,8 +59,11 @@ def moved_as_all_friction(fitter: Fitter, fit: Fit, change: bool) -> tuple[Numbe
     for j in range(motion.n):
         if not along[:, j].any():
             continue
-        more = asked.along(RegressorColumns((j,), along[:, j : j + 1]))
-        if abs(more.sigmas) > TOLD and abs(more.amount) > LEAST_FRICTION:
+        law = RegressorColumns((j,), along[:, j : j + 1])
+        more = asked.along(law)
+        if abs(more.sigmas) <= TOLD or abs(more.amount) <= LEAST_FRICTION:
+            continue
+        if asked.as_given(law) / more.amount > WHOLE:
             told = 1.0, 1.0 + more.amount, more.standard_error, more.sigmas
             found.append(Number("changed", f"joint {j + 1}", RATIO, *told))
     return tuple(found)

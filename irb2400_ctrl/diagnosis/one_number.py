@@ -51,6 +51,7 @@ class OneNumber:
         """Args: fitter: of the robot given; fit: of all that was found."""
         self._n = fitter.motion.n
         self._noise = fit.noise
+        self._y = fit.y
         self._Z = fit.Z.copy()
         self._Z[:, :, : fitter.own] *= fitter.widened
         self._problem = Problem(fit.y, self._Z, fit.noise)
@@ -68,6 +69,16 @@ class OneNumber:
         spread = float(np.sqrt(information + (INFLATION**2 - 1.0) * by_noise))
         shift = float(right[0])
         return Moved(shift / information, spread / information, shift / spread, information)
+
+    def as_given(self, columns: RegressorColumns) -> float:
+        """X^T y / X^T X over the noise: the amount with all numbers as they are given.
+
+        Args:
+            columns: one.
+        """
+        blocks = [(j, x[:, 0]) for j, x in self._problem.whitened(columns)]
+        along = sum(float(x @ self._noise[j].whiten(self._y[:, j])) for j, x in blocks)
+        return along / max(sum(float(x @ x) for _, x in blocks), NOTHING)
 
     def _by_noise(self, columns: RegressorColumns) -> float:
         """X^T P P X."""

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import cache
-from typing import Any
+from types import SimpleNamespace
+from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -14,9 +15,10 @@ from independent_plant.machine import Machine
 
 import irb2400_ctrl as irb
 from irb2400_ctrl.arrays import Array
-from irb2400_ctrl.diagnosis import Diagnosis, Number
+from irb2400_ctrl.diagnosis import Diagnosis, Number, friction_test
 from irb2400_ctrl.diagnosis.comparison.criteria import Criteria
 from irb2400_ctrl.diagnosis.numbers import RATIO
+from irb2400_ctrl.diagnosis.preparation.noise import Noise
 from irb2400_ctrl.identification import change, diagnose_change
 from irb2400_ctrl.identification.reference_error import has_changed
 from irb2400_ctrl.report.pages.diagnosis_page import lines
@@ -71,6 +73,31 @@ def test_what_is_little_sample_by_sample_is_told_along_the_motion() -> None:
 def test_an_unchanged_joint_has_no_other_friction() -> None:
     assert found(1.0).numbers == ()
     assert "Nothing has changed" in lines(found(1.0))[0]
+
+
+@pytest.mark.parametrize(("bends", "told"), [(0.0, [1.25]), (1.0, [])])
+def test_one_part_of_it_against_the_others_is_no_other_friction(
+    monkeypatch: pytest.MonkeyPatch, bends: float, told: list[float]
+) -> None:
+    """Of an arm whose friction grows with another power of the speed than the reference's law all
+    friction was 0.8 of the reference's, beside a load, where it was 0.97."""
+    rng = np.random.default_rng(1)
+    parts = rng.standard_normal((2000, 3))
+    law = parts.sum(axis=1)
+    y = 0.25 * law - bends * 0.25 * parts[:, :2].sum(axis=1) + 0.3 * rng.standard_normal(2000)
+    motion = SimpleNamespace(n=1, filtered=lambda columns: columns)
+    fitter = SimpleNamespace(
+        robot=SimpleNamespace(identified=object()),
+        bases=None,
+        motion=motion,
+        own=2,
+        widened=np.ones(2),
+    )
+    noise = Noise(np.ones(1), np.full(2000, 1.0 / 0.3), np.arange(2000))
+    fit = SimpleNamespace(noise=[noise], Z=0.3 * parts[:, None, :2], y=y[:, None])
+    monkeypatch.setattr(friction_test, "friction_along", lambda *_: law[:, None])
+    found = friction_test.moved_as_all_friction(cast(Any, fitter), cast(Any, fit), change=True)
+    assert [number.after for number in found] == pytest.approx(told, abs=0.03)
 
 
 def test_of_a_joint_whose_friction_is_another_its_numbers_have_changed() -> None:
