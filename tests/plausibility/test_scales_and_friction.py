@@ -146,6 +146,7 @@ def test_a_placeholder_of_friction_refuses_no_log(value: float) -> None:
     assert problem.kind == "torque_scale"
 
 
+@pytest.mark.slow
 def test_a_placeholder_bends_no_bodies() -> None:
     """An identification held to it left 60 % of a joint where plain least squares left 46, a
     diagnosis had inertial numbers of three links off."""
@@ -166,7 +167,8 @@ def test_a_placeholder_bends_no_bodies() -> None:
     assert found.given is robot
 
 
-@pytest.mark.parametrize("joint", [pytest.param(1, marks=pytest.mark.slow), 3])
+@pytest.mark.slow
+@pytest.mark.parametrize("joint", [1, 3])
 def test_one_joint_that_drags_keeps_the_friction_of_the_others(joint: int) -> None:
     """Its friction has changed, and has a name; that of the others is the file's."""
     joints = list(ROBOT.joints)

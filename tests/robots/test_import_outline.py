@@ -187,7 +187,7 @@ def test_no_point_of_a_shape_is_outside_the_outline(format: str, tmp_path: Path)
         assert _outside(robot, link, points, poses[link]) < 1e-7
 
 
-@pytest.mark.parametrize("format", ["urdf", "mjcf"])
+@pytest.mark.parametrize("format", ["urdf", pytest.param("mjcf", marks=pytest.mark.slow)])
 def test_nothing_that_touches_in_mujoco_is_free(format: str, tmp_path: Path) -> None:
     path = drawn_urdf(tmp_path)
     if format == "mjcf":
