@@ -8,7 +8,6 @@ gains are alike then, which is said.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from types import MappingProxyType
 
 import numpy as np
 
@@ -42,7 +41,6 @@ ANY_DAY = 1.0
 """spread of what a channel may read otherwise on another day, where that is asked for"""
 HALF = 0.5
 """of a joint's mean torque left beside the load: its gain is not known"""
-NO_DOUBTS: Mapping[str, str] = MappingProxyType({})
 
 
 def weighed_load(
@@ -74,7 +72,7 @@ def known_load_gains(
     logs: Sequence[Log],
     loaded: Sequence[Log],
     load: Body,
-    doubts: Mapping[str, str] = NO_DOUBTS,
+    doubts: Mapping[str, str],
 ) -> Gains:
     """Gains from logs without and with a load that was weighed.
 

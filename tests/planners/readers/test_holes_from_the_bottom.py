@@ -27,6 +27,7 @@ def points(program: CamProgram) -> Array:
 @pytest.mark.parametrize(
     ("words", "begins"),
     [("DRILL, 12, MMPM, 200, 15", 15), ("DRILL, 12, MMPM, 200, 15, RAPTO, 10", 5),
+     ("DRILL, 12., MMPM, 200.0000, 15., RAPTO, 10.", 5),
      ("BORE, 12, MMPM, 200, 15, 0.2, RAPTO, 10, ORIANT, 0", 5)],
 )  # fmt: skip
 def test_the_tool_goes_to_the_point_and_no_deeper(

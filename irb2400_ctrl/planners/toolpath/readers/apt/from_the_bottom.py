@@ -12,7 +12,12 @@ from itertools import pairwise
 
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.planners.toolpath.readers.apt.cycles import CYCLE_FEED_WORDS
-from irb2400_ctrl.planners.toolpath.readers.apt.statements import COMMENT, Statement, is_number
+from irb2400_ctrl.planners.toolpath.readers.apt.statements import (
+    COMMENT,
+    Statement,
+    is_number,
+    number,
+)
 from irb2400_ctrl.planners.toolpath.readers.expansion.drilling import HoleCycle
 from irb2400_ctrl.planners.toolpath.readers.unread_line import UnreadLineError
 
@@ -42,7 +47,8 @@ def _with_words(cycle: Statement, feed: Statement) -> Statement | None:
     numbers = (*stated[1:2], *behind)
     if unit < 2 or len(numbers) < 3 or not all(map(is_number, numbers)):
         return None
-    if behind[0] not in feed.arguments:
+    fed = [number(argument, feed.word) for argument in feed.arguments if is_number(argument)]
+    if number(behind[0], cycle.word) not in fed:
         return None
     rest = stated[unit + 3 :]
     aside = bool(rest) and is_number(rest[0])
