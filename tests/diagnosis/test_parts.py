@@ -82,6 +82,22 @@ def test_memory_is_exact_for_an_oscillator() -> None:
     np.testing.assert_allclose(begun[0] - x, envelope * swing, atol=1e-9)
 
 
+@pytest.mark.parametrize("count", range(1, 18))
+def test_states_of_a_grid_are_those_of_each_of_its_points(count: int) -> None:
+    """Of eight points numpy 2.4.6 negated wrongly, and the columns of a hysteresis were noise."""
+    u = ca.SX.sym("u")
+    width = ca.SX.sym("w")
+    state = ca.SX.sym("z")
+    memory = Memory([u], state, [width], (u - ca.fabs(u) * state) / width, ca.sign(u))
+    speed = np.sin(np.linspace(0.0, 20.0, 300))[:, None]
+    widths = np.geomspace(0.01, 0.3, count)[None, :]
+    ((found,),) = memory.states([speed], 0.01, [widths], (300, count), 0)
+    for k in range(count):
+        ((alone,),) = memory.states([speed], 0.01, [widths[:, [k]]], (300, 1), 0)
+        np.testing.assert_array_equal(found[:, [k]], alone)
+
+
+
 def test_a_law_of_the_users_own_may_differentiate_a_signal() -> None:
     before = dict(LIBRARY)
 
