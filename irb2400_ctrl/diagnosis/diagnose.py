@@ -38,6 +38,7 @@ from irb2400_ctrl.diagnosis.preparation.metrics import errors, noise_floor
 from irb2400_ctrl.diagnosis.preparation.noise_test import noise_test
 from irb2400_ctrl.diagnosis.preparation.plain_numbers import PlainNumbers
 from irb2400_ctrl.diagnosis.preparation.resting import Resting
+from irb2400_ctrl.diagnosis.preparation.room import check_room
 from irb2400_ctrl.diagnosis.preparation.sticking_contacts import sticking_contacts
 from irb2400_ctrl.diagnosis.recalibrated import recalibrated_terms
 from irb2400_ctrl.diagnosis.regressors.bases import Bases
@@ -51,14 +52,11 @@ from irb2400_ctrl.measurement.prepared_log import PreparedLog, prepare
 from irb2400_ctrl.model.plausibility import unknown_bodies
 from irb2400_ctrl.plausibility import LogProblem
 from irb2400_ctrl.robot import Robot, Uncertainty
-from irb2400_ctrl.system import free_memory
 from irb2400_ctrl.typed import typed
 from irb2400_ctrl.wording import numbered
 
 COMMON_FRICTION = 0.3
 """standard deviation of the friction of all joints together, over the file's: temperature"""
-BYTES_PER_ROW = 4.5e5
-"""of memory that the search may take, on six axes: a tenth more than it does (1.5 GB for 150 s)"""
 WORTH = 0.01
 """share of a joint's error that a changed friction takes off at least"""
 LEAST_SPEED = 0.05
@@ -129,22 +127,29 @@ def _searched(
         # a placeholder would bend the bodies; that of a few joints has changed, and has a name
         robot = robot.with_unknown_friction(logs.other_friction)
     motion = prepare_together(logs.used)
-    _has_room(motion)
+    check_room(motion)
     bases = _bases(robot.bare())
     prior = prior_of(robot, uncertainty or robot.uncertainty, motion)
     numbers_of_robot = prior.columns(bases.model, motion)
     doubtful = doubtful_accelerations(bases.model, logs.used, motion)
     load = bases.model.inverse_dynamics(motion.q, motion.qd, motion.qdd, friction=False)
     contacts = contacts_of(bases, motion, load)
-    resting = Resting.of(motion, robot, predicted_torque(robot, motion, bases), numbers_of_robot)
+    predicted = predicted_torque(robot, motion, bases)
+    resting = Resting.of(motion, robot, predicted, numbers_of_robot)
     turning = sticking_contacts(bases, motion, prior.dry_friction(), contacts)
-    Z = motion.filtered(np.concatenate([numbers_of_robot, doubtful, resting.columns, turning], 2))
+    beside = [numbers_of_robot, doubtful, resting.columns]
+    Z = motion.filtered(np.concatenate([*beside, turning], 2))
     progress("scan")
     reversal = reversal_rows(motion)
     own = numbers_of_robot.shape[2]
     base = Z[:, :, : -turning.shape[2]]
     first = Fitter(robot, bases, motion, base, reversal, own, holds=resting.holds).fit([])
-    motion = noisy_reversals_masked(motion, bases, first, reversal, contacts)
+    left = motion.tau - predicted
+    seen, contacts = noisy_reversals_masked(motion, bases, first, reversal, contacts, left)
+    if seen.low_pass is not motion.low_pass:
+        turning = sticking_contacts(bases, motion, prior.dry_friction(), contacts)
+        Z = seen.filtered(np.concatenate([*beside, turning], 2))
+    motion = seen
     at_rows = motion.recorded_rows(numbers_of_robot)
     plain = PlainNumbers(prior, at_rows, motion.at_rows(motion.qd), numbers_of_robot)
     fitter = Fitter(robot, bases, motion, Z, reversal, own, plain, resting.holds)
@@ -154,22 +159,6 @@ def _searched(
     progress("conclude")
     other = None if validation is None else prepare(validation)
     return _concluded(given, logs, prior, resting, selection, steps, fit, other)
-
-
-def _has_room(motion: PreparedLog) -> None:
-    """The search keeps the columns of every effect.
-
-    Raises:
-        InputError: for which there is no memory.
-    """
-    needed = BYTES_PER_ROW * motion.rows * (motion.n / 6.0) ** 2
-    free = free_memory()
-    if free is not None and needed > free:
-        raise InputError(
-            f"{motion.name}: found {motion.duration:.0f} s, whose search takes about "
-            f"{needed / 1e9:.1f} GB of memory where {free / 1e9:.1f} GB are free, expected at most "
-            f"{motion.duration * free / needed:.0f} s: diagnose a stretch (--between FROM:TO)"
-        )
 
 
 def prior_of(robot: Robot, uncertainty: Uncertainty, motion: PreparedLog) -> AnyPrior:

@@ -10,10 +10,11 @@ from independent_plant import Case
 from irb2400_ctrl.diagnosis import diagnose
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.measurement import Log
+from irb2400_ctrl.measurement.joined_log import prepare_together
 from irb2400_ctrl.robot import load_robot
 from irb2400_ctrl.system import free_memory
 
-module = importlib.import_module("irb2400_ctrl.diagnosis.diagnose")
+module = importlib.import_module("irb2400_ctrl.diagnosis.preparation.room")
 
 
 def test_what_is_free_is_known_or_nothing_is_said() -> None:
@@ -34,4 +35,4 @@ def test_a_search_without_room_is_refused_with_the_stretch_that_fits(
     assert 5.0 < most < 12.0
     for enough in (None, 2.5e8):
         monkeypatch.setattr(module, "free_memory", lambda enough=enough: enough)
-        module._has_room(module.prepare_together([log]))
+        module.check_room(prepare_together([log]))

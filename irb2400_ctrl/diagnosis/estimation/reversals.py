@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -9,8 +10,10 @@ import numpy as np
 from irb2400_ctrl.arrays import Array, Mask
 from irb2400_ctrl.diagnosis.estimation.fit import Fit
 from irb2400_ctrl.diagnosis.preparation.contacts import Contacts, turns
+from irb2400_ctrl.diagnosis.preparation.quick_turns import TAKEN, left_by_a_loop, quick_turns
 from irb2400_ctrl.diagnosis.regressors.bases import Bases
 from irb2400_ctrl.effects.hysteresis import Hysteresis
+from irb2400_ctrl.measurement.partial_low_pass import PartialLowPass
 from irb2400_ctrl.measurement.prepared_log import STICKING_SPEED, PreparedLog
 from irb2400_ctrl.measurement.uniform import widened
 
@@ -39,26 +42,39 @@ def near_reversals(qd: Array, step: float) -> Mask:
     Args:
         qd: speeds, shape (m, n); step: between two samples [s].
     """
-    turning = np.abs(qd) < STICKING_SPEED
-    for j, speed in enumerate(qd.T):
-        turning[turns(speed)[0], j] = True
+    turning = np.column_stack([_turning(speed) for speed in qd.T])
     return widened(turning, round(REVERSAL_TIME / step))
 
 
+def _turning(speed: Array) -> Mask:
+    """Samples at which one joint changes its direction or nearly stops; `speed` (m,) [rad/s]."""
+    turning = np.abs(speed) < STICKING_SPEED
+    turning[turns(speed)[0]] = True
+    return turning
+
+
 def noisy_reversals_masked(
-    motion: PreparedLog, bases: Bases, fit: Fit, reversal: Mask, contacts: Contacts
-) -> PreparedLog:
+    motion: PreparedLog,
+    bases: Bases,
+    fit: Fit,
+    reversal: Mask,
+    contacts: Contacts,
+    left: Array,
+) -> tuple[PreparedLog, Contacts]:
     """The motion without the rows near reversals of joints whose sticking no model of this kind
-    follows.
+    follows, and the contacts with the joints whose friction turns over later.
 
     Friction that builds up over an angle shows nowhere else, so it is tried before: where it takes
-    most of what is left at the reversals, they stay.
+    most of what is left at the reversals, they stay; where it takes most of what is left once the
+    joint slides again behind quick ones, these stay without the samples before it does.
 
     Args:
         fit: of the base alone; reversal: rows near a change of direction, shape (rows, n).
         contacts: over which angle the friction of this arm turns over.
+        left: torque that the robot as given leaves, shape (m, n) [Nm].
     """
     known = motion.row_known.copy()
+    late: list[int] = []
     for j in range(motion.n):
         near = known[:, j] & reversal[:, j]
         calm = known[:, j] & ~reversal[:, j]
@@ -68,11 +84,38 @@ def noisy_reversals_masked(
         if not _noisy(residual, near, calm):
             continue
         if near.sum() > ONE_REVERSAL:
-            left = _without_hysteresis(motion, bases, j, residual, near, contacts)
-            if np.sum(left[near] ** 2) <= BUILT_UP * np.sum(residual[near] ** 2):
+            rest = _without_hysteresis(motion, bases, j, residual, near, contacts)
+            if np.sum(rest[near] ** 2) <= BUILT_UP * np.sum(residual[near] ** 2):
                 continue
-        known[:, j] = calm
-    return replace(motion, row_known=known)
+        if left_by_a_loop(bases, motion, left[:, j], j) <= TAKEN:
+            late.append(j)
+        else:
+            known[:, j] = calm
+    motion = replace(motion, row_known=known)
+    if not late:
+        return motion, contacts
+    later = contacts.later.union(j + 1 for j in late)
+    return _where_they_slide(motion, late), replace(contacts, later=later)
+
+
+def _where_they_slide(motion: PreparedLog, joints: Sequence[int]) -> PreparedLog:
+    """The motion with rows about the quick turns of some joints (from 0) that are of samples alone
+    in which these slide, and without rows near their other turns."""
+    counts = np.ones(len(motion.time), dtype=bool)
+    known = motion.row_known.copy()
+    tau = motion.tau_smooth.copy()
+    for j in joints:
+        turning = _turning(motion.qd[:, j])
+        for between in quick_turns(motion, j).between:
+            counts[between] = False
+            turning[between] = False
+        others = widened(turning, round(REVERSAL_TIME / motion.step))
+        known[:, j] &= ~motion.low_pass.instants(others)
+        # smoothed, the torque of breaking away would reach to where the joint slides
+        tau[:, j] = motion.tau[:, j]
+    low_pass = PartialLowPass.of(motion.low_pass, counts)
+    known &= low_pass.known[:, None]
+    return replace(motion, low_pass=low_pass, row_known=known, tau_smooth=tau)
 
 
 def _noisy(residual: Array, near: Mask, calm: Mask) -> bool:

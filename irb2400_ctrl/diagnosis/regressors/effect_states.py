@@ -126,7 +126,7 @@ def _followed(
     for point in range(points):
         for i in range(n):
             for k in range(n):
-                # numpy 2.4.6 writes wrong numbers where it negates every eighth one into such a place
+                # numpy 2.4.6 negates every eighth number of an array wrongly into such a place
                 np.multiply(steps[i][k][:, point], -1.0, out=band[:-1, k, n + i - k])
             right[:, 1:, i] = add[i][:, point]
             right[:, 0, i] = [start[i][point] for start in starts]
