@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import atexit
+import gc
 import io
 import os
 import sys
@@ -30,6 +32,8 @@ from irb2400_ctrl.cli.planning import path, place, plan
 from irb2400_ctrl.cli.watching import watch
 
 TRACEBACK_VARIABLE = "IRB2400_TRACEBACK"
+NEW_OBJECTS = 10_000
+"""after how many cycles are looked for: modules and results, most of what a command makes, stay"""
 
 
 class ReaderGone(Exception):
@@ -107,6 +111,9 @@ def run() -> None:
     from irb2400_ctrl.errors import InputError, IrbError
     from irb2400_ctrl.system import give_back_large_arrays, interrupt_outside
 
+    gc.set_threshold(NEW_OBJECTS)
+    # at the end everything goes with the process: to look for cycles then is a thirtieth of it
+    atexit.register(gc.freeze)
     give_back_large_arrays()
     interrupt_outside("casadi.py")
     # as `arrays.one_thread`, before numpy is loaded; what sets another number is obeyed
