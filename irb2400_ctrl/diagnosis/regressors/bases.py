@@ -3,7 +3,7 @@ at once."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -190,16 +190,26 @@ class _Law:
         self.signals = signals
         self.asked = s.asked if isinstance(s, GivenSignals) else []
         scalars = signals.symbols(self.asked)
-        inputs = [*scalars, *ca.vertsplit(state), *theta]
-        self.law = Vectorised(inputs, _flat(basis, rows))
-        # the record may begin in any state: what a different beginning adds is a departure too
-        self.free = effect.beginnings() if discrepancy else 0
-        self.k_law = law.shape[1]
-        if self.free:
-            self.response = Vectorised(inputs, _flat(law, rows))
-            # of a law of several columns the first stands for the beginning
-            self.begun = Vectorised(inputs, _flat(law[:, :1], rows))
         self.memory = Memory(scalars, state, theta, rate, steady) if effect.states else None
+        # the record may begin in any state: what a different beginning adds is a departure too
+        self.moved = self.memory.beginnings(effect.beginnings()) if self.memory else []
+        self.moved = self.moved if discrepancy else []
+        self.free = len(self.moved)
+        shown = [basis]
+        elsewhere: list[ca.SX] = []
+        for block in self.moved:
+            other = ca.SX(state)
+            for i in block:
+                other[i] = ca.SX.sym("x")
+                elsewhere.append(other[i])
+            # of a law of several columns the first stands for the beginning
+            shown.append(ca.substitute(law[:, 0], state, other) - law[:, 0])
+        shown += [law] if self.free else []
+        # in one expression: most of what the law asks for is the same from any beginning
+        inputs = [*scalars, *ca.vertsplit(state), *elsewhere, *theta]
+        whole = ca.horzcat(*shown)
+        self.width = whole.shape[1]
+        self.law = Vectorised(inputs, _flat(whole, rows))
 
     def __call__(
         self,
@@ -212,7 +222,7 @@ class _Law:
         """`law_too`: the basis after the discrepancy."""
         m = len(motion.time)
         rows = motion.rows if filtered else m
-        columns = self.k + self.free + (self.k_law if law_too else 0)
+        columns = self.width if law_too else self.k + self.free
         values = np.empty((len(grid), rows, len(self.joints), columns))
         if values.size == 0:
             return [RegressorColumns(self.joints, v) for v in values]
@@ -224,17 +234,18 @@ class _Law:
             points = grid[start : start + chunk]
             part = np.array(points, dtype=float).reshape(len(points), len(grid[0]))
             place = slice(start, start + len(part))
-            for joint, column, flat in self._flat_columns(motion, inputs, part, law_too):
+            for index, flat in enumerate(self._flat_columns(motion, inputs, part)):
+                joint, column = divmod(index, self.width)
+                if column >= columns:
+                    continue
                 whole = np.broadcast_to(flat, (m, len(part)))
                 whole = whole if always else whole * active[:, None]
                 shown = motion.filtered(whole) if filtered else whole
                 values[place, :, joint, column] = shown.T
         return [RegressorColumns(self.joints, v) for v in values]
 
-    def _flat_columns(
-        self, motion: PreparedLog, inputs: list[Array], part: Array, law_too: bool
-    ) -> Iterator[tuple[int, int, Array]]:
-        """(joint, column, numbers over samples and grid points) of every column.
+    def _flat_columns(self, motion: PreparedLog, inputs: list[Array], part: Array) -> list[Array]:
+        """Numbers over samples and grid points of every column, joint by joint.
 
         Args:
             part: nonlinear parameters, one row per grid point.
@@ -242,24 +253,9 @@ class _Law:
         theta = [part[None, :, i] for i in range(part.shape[1])]
         trajectories = self._state_trajectories(motion, inputs, theta, len(part))
         states = trajectories[0] if trajectories else []
-        if self.k:
-            for index, flat in enumerate(self.law(*inputs, *states, *theta)):
-                joint, column = divmod(index, self.k)
-                yield joint, column, flat
-        if not self.free:
-            return
-        if law_too:
-            rest = self.response(*inputs, *states, *theta)
-            for index, flat in enumerate(rest):
-                joint, column = divmod(index, self.k_law)
-                yield joint, self.k + self.free + column, flat
-            quiet = rest[:: self.k_law]
-        else:
-            quiet = self.begun(*inputs, *states, *theta)
-        for column, other in enumerate(trajectories[1:]):
-            moved = self.begun(*inputs, *other, *theta)
-            for joint in range(len(self.joints)):
-                yield joint, self.k + column, moved[joint] - quiet[joint]
+        begun = zip(self.moved, trajectories[1:], strict=True)
+        elsewhere = [other[i] for block, other in begun for i in block]
+        return self.law(*inputs, *states, *elsewhere, *theta)
 
     def _state_trajectories(
         self, motion: PreparedLog, inputs: list[Array], theta: list[Array], points: int

@@ -38,6 +38,11 @@ class Memory:
         inside = [ca.densify(A[i, k]) for block in self._blocks for i in block for k in block]
         self._evaluate = Vectorised([*scalars, *theta], ca.vertcat(*inside, b, steady))
 
+    def beginnings(self, count: int) -> list[list[int]]:
+        """Of each of the first `count` states those that go another way where it begins
+        elsewhere."""
+        return [block for block in self._blocks for i in block if i < count]
+
     def states(
         self,
         inputs: list[Array],
