@@ -22,8 +22,9 @@ from irb2400_ctrl.model import Model
 from irb2400_ctrl.robot import Robot
 from irb2400_ctrl.symbolic.vectorised import Vectorised
 
-CHUNK = 1_000_000
-"""numbers per array while a grid is evaluated: bounds the memory"""
+CHUNK = 400_000
+"""numbers per array while a grid is evaluated: bounds the memory, and each is small enough to be
+made of what the last one left (`system.give_back_large_arrays`)"""
 REMEMBERED = 40_000
 """the same of effects with memory, of which many arrays are at hand: they stay in the processor's
 cache"""
