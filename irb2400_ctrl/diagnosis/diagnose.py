@@ -40,6 +40,7 @@ from irb2400_ctrl.diagnosis.preparation.plain_numbers import PlainNumbers
 from irb2400_ctrl.diagnosis.preparation.resting import Resting
 from irb2400_ctrl.diagnosis.preparation.room import check_room
 from irb2400_ctrl.diagnosis.preparation.sticking_contacts import sticking_contacts
+from irb2400_ctrl.diagnosis.preparation.turned_motors import with_turning_motors
 from irb2400_ctrl.diagnosis.recalibrated import recalibrated_terms
 from irb2400_ctrl.diagnosis.regressors.bases import Bases
 from irb2400_ctrl.diagnosis.regressors.predict import predicted_torque
@@ -126,7 +127,7 @@ def _searched(
     if len(logs.other_friction) == robot.n:
         # a placeholder would bend the bodies; that of a few joints has changed, and has a name
         robot = robot.with_unknown_friction(logs.other_friction)
-    motion = prepare_together(logs.used)
+    motion = with_turning_motors(robot, prepare_together(logs.used))
     check_room(motion)
     bases = _bases(robot.bare())
     prior = prior_of(robot, uncertainty or robot.uncertainty, motion)
@@ -157,7 +158,7 @@ def _searched(
     selection = Selection(scan, fitter, criteria, change=change)
     steps, fit = selection.run()
     progress("conclude")
-    other = None if validation is None else prepare(validation)
+    other = None if validation is None else with_turning_motors(robot, prepare(validation))
     return _concluded(given, logs, prior, resting, selection, steps, fit, other)
 
 

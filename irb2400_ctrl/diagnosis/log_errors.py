@@ -7,6 +7,7 @@ from typing import Any
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.diagnosis.preparation.metrics import Errors, errors
+from irb2400_ctrl.diagnosis.preparation.turned_motors import with_turning_motors
 from irb2400_ctrl.diagnosis.regressors.predict import predicted_torque
 from irb2400_ctrl.diagnosis.sound_logs import SoundLogs
 from irb2400_ctrl.errors import InputError
@@ -70,7 +71,7 @@ def judged(log: Log, before: Robot, after: Robot) -> LogErrors | None:
         after: the robot with what was found.
     """
     try:
-        motion = prepare_together([log])
+        motion = with_turning_motors(before, prepare_together([log]))
     except InputError:
         return None
     pair = (

@@ -9,14 +9,14 @@ from irb2400_ctrl.diagnosis import Diagnosis, Number, diagnose
 from irb2400_ctrl.diagnosis.comparison.criteria import Criteria
 from irb2400_ctrl.diagnosis.numbers import RATIO
 from irb2400_ctrl.errors import InputError
-from irb2400_ctrl.identification.identification import Identification
-from irb2400_ctrl.identification.identify import identify
-from irb2400_ctrl.identification.reference_error import (
+from irb2400_ctrl.identification.another_day.reference_error import (
     has_changed,
     simplest,
     unseen_error,
     worse_joints,
 )
+from irb2400_ctrl.identification.identification import Identification
+from irb2400_ctrl.identification.identify import identify
 from irb2400_ctrl.measurement import Log
 from irb2400_ctrl.robot import Robot
 from irb2400_ctrl.typed import typed

@@ -11,9 +11,11 @@ import numpy as np
 
 from irb2400_ctrl.arrays import Array, Mask
 from irb2400_ctrl.diagnosis.preparation.metrics import Errors, errors
+from irb2400_ctrl.diagnosis.preparation.turned_motors import with_turning_motors
 from irb2400_ctrl.diagnosis.regressors.predict import predicted_torque
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.files import write_json
+from irb2400_ctrl.identification.another_day.otherwise import otherwise
 from irb2400_ctrl.measurement import Log
 from irb2400_ctrl.measurement.prepared_log import prepare
 from irb2400_ctrl.robot import Robot
@@ -28,6 +30,7 @@ class LogComparison:
         time: [s], (m,); q, qd: [rad], [rad/s], measured, modelled: [Nm], (m, n);
         known: samples that count, (m, n).
         remarks: what the reader should know of how it was recorded.
+        changed: what is not as it was when the robot was identified (`otherwise`).
         problem: why its columns cannot be what they say, where that was asked and is so.
     """
 
@@ -39,12 +42,19 @@ class LogComparison:
     modelled: Array
     known: Mask
     remarks: tuple[str, ...] = ()
+    changed: tuple[str, ...] = ()
     problem: str = ""
 
     @property
     def error(self) -> Errors:
         """MAE, RMSE, RMSE over mean torque per joint."""
         return errors(self.measured, self.modelled, self.known)
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """All that is to be said of it beside a problem; columns that are not what they say tell
+        nothing of the arm."""
+        return self.remarks if self.problem else (*self.changed, *self.remarks)
 
 
 @dataclass(frozen=True)
@@ -75,7 +85,7 @@ class Validation:
                 {
                     "name": log.log,
                     "error": log.error.to_json(),
-                    "remarks": [*[log.problem] * bool(log.problem), *log.remarks],
+                    "remarks": [*[log.problem] * bool(log.problem), *log.notes],
                 }
                 for log in self.logs
             ],
@@ -111,10 +121,11 @@ def _compared(robot: Robot, log: Log) -> LogComparison:
             "robot of this log"
         )
     # with the time base rebuilt
-    m = prepare(log, quiet=True)
+    m = with_turning_motors(robot, prepare(log, quiet=True))
     modelled = predicted_torque(robot, m)
     remarks = (*_seen_before(robot, log), *m.remarks)
-    return LogComparison(log.name, m.time, m.q, m.qd, m.tau, modelled, m.known, remarks)
+    changed = otherwise(robot, m, modelled)
+    return LogComparison(log.name, m.time, m.q, m.qd, m.tau, modelled, m.known, remarks, changed)
 
 
 def _seen_before(robot: Robot, log: Log) -> tuple[str, ...]:

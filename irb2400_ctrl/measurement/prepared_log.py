@@ -3,14 +3,12 @@ judged."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
-from itertools import pairwise
 
 import numpy as np
-from scipy.ndimage import uniform_filter1d
 
-from irb2400_ctrl.arrays import Array, Mask, rms, true_stretches
+from irb2400_ctrl.arrays import Array, Mask, rms
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.measurement.instants.time_base import with_time_base
 from irb2400_ctrl.measurement.log import Log
@@ -19,9 +17,9 @@ from irb2400_ctrl.measurement.motion.commanded import BLEND, used_angles
 from irb2400_ctrl.measurement.motion.held_samples import released
 from irb2400_ctrl.measurement.motion.lost_rows import with_rows_counted
 from irb2400_ctrl.measurement.motion.recorded_speed import calmer_speed
+from irb2400_ctrl.measurement.standstill import sticking, undetermined
 from irb2400_ctrl.measurement.torque_filter import TorqueFilter, find_torque_filter
 from irb2400_ctrl.measurement.uniform import (
-    HALF_WINDOW,
     SMOOTHING,
     LowPass,
     UniformLog,
@@ -45,23 +43,6 @@ OTHER_MOTION = (
 )
 CUTOFF = 10.0
 """[Hz] of the common zero-phase filter"""
-STILL_SPEED = 0.02
-"""[rad/s] below this for longer than `STILL_TIME` dry friction is undetermined"""
-STILL_TIME = 0.060
-"""[s]"""
-STICKING_SPEED = 0.03
-"""[rad/s] below this a joint may stick, whether or not it turns"""
-STICKING_TIME = 0.12
-"""[s] how long before and after that its torque is not predictable"""
-SLIPPING_SPEED = 0.1
-"""[rad/s] below this a joint may stick and slip in turns"""
-SLIPPING = 7.0
-"""scatter of the torque from sample to sample, over that of the calm part of the log, above which
-it does"""
-CALM = 0.1
-"""share of a log that is taken as calm: a slow joint may slip nearly all the time"""
-SLIPPING_TIME = 0.5
-"""[s] for at least so long: a reversal is shorter"""
 
 
 @dataclass(frozen=True)
@@ -180,6 +161,19 @@ class PreparedLog:
         """A signal at the instants of the rows, not filtered."""
         return self.low_pass.instants(signal)
 
+    def without(self, unknown: Mask) -> PreparedLog:
+        """The same log without some torques, nor the rows that these reach.
+
+        Args:
+            unknown: samples whose torque is undetermined, (m, n).
+        """
+        reached = widened(unknown, self.low_pass.half)
+        return replace(
+            self,
+            known=self.known & ~unknown,
+            row_known=self.row_known & ~self.low_pass.instants(reached),
+        )
+
 
 @typed
 def prepare(log: Log, rate: float | None = None, *, quiet: bool = False) -> PreparedLog:
@@ -206,12 +200,10 @@ def prepare(log: Log, rate: float | None = None, *, quiet: bool = False) -> Prep
     if len(positions) < 4 * low_pass.half:
         raise InputError(f"{log.name}: found {log.duration:.2f} s of data, expected at least 2 s")
     gap = _incomplete(uniform, margin + reach, quiet and instrumented)[inside]
-    still = _undetermined(uniform.tau[inside], qd, uniform.step, instrumented)
+    still = undetermined(uniform.tau[inside], qd, uniform.step, instrumented)
     determined = ~(still | gap[:, None])
     if not instrumented:
-        # it sticks while it should creep, and smoothing reaches that far
-        sticks = still | (np.abs(qd) < STICKING_SPEED)
-        still = widened(sticks, round(STICKING_TIME / uniform.step))
+        still = sticking(still, qd, uniform.step)
     known = ~(still | gap[:, None])
     if recorder is not None:
         determined = _smeared(determined, recorder.reach(uniform.step))
@@ -291,56 +283,3 @@ def _smeared(determined: Mask, reach: int) -> Mask:
     found[:reach] = False
     found[len(found) - reach :] = False
     return found
-
-
-def _undetermined(tau: Array, qd: Array, step: float, instrumented: bool) -> Mask:
-    """Samples of joints whose dry friction may be anything, shape (m, n).
-
-    Args:
-        tau, qd: of the log; step: between its samples [s].
-        instrumented: whether the speed is the commanded one's.
-    """
-    still = _standstill(qd, step) | _stick_slip(tau, qd, step)
-    return still if instrumented else still | _rocking(qd, step)
-
-
-def _standstill(qd: Array, step: float) -> Mask:
-    """Samples in stretches of at least STILL_TIME with a speed below STILL_SPEED, per joint."""
-    return _lasting(np.abs(qd) < STILL_SPEED, round(STILL_TIME / step))
-
-
-def _rocking(qd: Array, step: float) -> Mask:
-    """Samples between two turns of a joint that are nearer than the smoothing of its angles tells
-    apart: when its dry friction turned over is not known, shape (m, n)."""
-    found = np.zeros(qd.shape, dtype=np.bool_)
-    for j in range(qd.shape[1]):
-        turns = np.flatnonzero(np.diff(qd[:, j] > 0.0))
-        for first, last in pairwise(turns):
-            if last - first <= round(2 * HALF_WINDOW / step):
-                found[first : last + 2, j] = True
-    return found
-
-
-def _lasting(found: Mask, least: int) -> Mask:
-    """Only stretches of at least so many samples, per joint."""
-    kept = np.zeros_like(found)
-    for j in range(found.shape[1]):
-        for start, stop in true_stretches(found[:, j]):
-            if stop - start >= max(1, least):
-                kept[start:stop, j] = True
-    return kept
-
-
-def _stick_slip(tau: Array, qd: Array, step: float) -> Mask:
-    """Samples of slow joints whose torque jumps from sample to sample far more than elsewhere: they
-    stick and slip in turns, faster than the log resolves, shape (m, n)."""
-    bend = np.zeros_like(tau)
-    bend[1:-1] = np.diff(tau, 2, axis=0)
-    width = max(3, round(STICKING_TIME / step))
-    power = uniform_filter1d(bend**2, width, axis=0, mode="nearest")
-    # a running sum of squares may end below zero by its rounding
-    scatter = np.sqrt(np.maximum(power, 0.0))
-    calm = np.quantile(scatter, CALM, axis=0)
-    found = (scatter > SLIPPING * calm) & (np.abs(qd) < SLIPPING_SPEED)
-    found = _lasting(found, round(SLIPPING_TIME / step))
-    return widened(found, width)

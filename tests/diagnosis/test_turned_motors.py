@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 from typing import Any
 
@@ -13,10 +14,15 @@ import irb2400_ctrl as irb
 from irb2400_ctrl.diagnosis.preparation import base_prior
 from irb2400_ctrl.diagnosis.preparation.base_prior import BasePrior
 from irb2400_ctrl.diagnosis.preparation.identified_prior import IdentifiedPrior
-from irb2400_ctrl.diagnosis.preparation.turned_motors import TurnedMotors, _share
+from irb2400_ctrl.diagnosis.preparation.turned_motors import (
+    TurnedMotors,
+    _share,
+    with_turning_motors,
+)
 from irb2400_ctrl.effects import LIBRARY
 from irb2400_ctrl.effects.geared_motor import GearedMotor
 from irb2400_ctrl.identification.fitting.columns import ColumnLayout
+from irb2400_ctrl.measurement.prepared_log import prepare
 from irb2400_ctrl.robot import Identified
 
 STIFFER = 1.25
@@ -117,3 +123,39 @@ def test_a_robot_without_such_motors_stays_as_it_is() -> None:
     motors = TurnedMotors.of(plain)
     assert not list(motors.columns(np.ones((4, 6))))
     assert motors.updated(plain, np.ones(6), np.ones(6)) is plain
+
+
+def test_joints_that_hold_a_motor_still_between_them_tell_nothing_of_its_friction() -> None:
+    """Axes 4 to 6 all move and motor 6 rests for half a second: its dry friction may be anything.
+    It was a force at the tool, at 0.8, on a log of an unchanged arm."""
+    when = motion()
+    qd = when.qd.copy()
+    turns = np.array(motor_of(robot()).turns(6))
+    half = slice(500, 625)
+    qd[half, 3:5] = 0.5
+    qd[half, 5] = -(qd[half, :5] @ turns[:5])
+    held = replace(when, qd=qd)
+    found = with_turning_motors(robot(), held)
+    assert not found.known[half, 3:].any()
+    rows = (held.row_time > held.time[510]) & (held.row_time < held.time[615])
+    assert rows.any()
+    assert not found.row_known[rows, 3:].any()
+    # axes that turn no motor of it, and times at which it turns, stay
+    np.testing.assert_array_equal(found.known[:, :3], held.known[:, :3])
+    np.testing.assert_array_equal(found.row_known[:, :3], held.row_known[:, :3])
+    quick = np.abs(qd @ turns) > 0.5
+    assert found.known[quick][:, 3:].mean() > 0.9 * held.known[quick][:, 3:].mean()
+    plain = irb.load_robot("irb2400")
+    assert with_turning_motors(plain, held) is held
+
+
+def test_a_diagnosis_and_a_validation_leave_them_out() -> None:
+    when = motion()
+    torque = np.asarray(irb.Model(robot()).inverse_dynamics(when.q, when.qd, when.qdd))
+    log = irb.Log(when.time, when.q, torque + np.random.default_rng(3).normal(size=torque.shape))
+    slow = np.abs(prepare(log).qd @ np.array(motor_of(robot()).turns(6))) < 0.02
+    assert slow.any()
+    assert not irb.diagnose(robot(), log).identification.known[slow, 3:].any()
+    (seen,) = irb.identification.validate(robot(), log).logs
+    slow = np.abs(seen.qd @ np.array(motor_of(robot()).turns(6))) < 0.02
+    assert not seen.known[slow, 3:].any()

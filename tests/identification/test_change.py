@@ -23,7 +23,7 @@ from irb2400_ctrl.diagnosis.preparation.identified_prior import IdentifiedPrior
 from irb2400_ctrl.effects import LIBRARY
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.identification import Identification, diagnose_change
-from irb2400_ctrl.identification.reference_error import unseen_error
+from irb2400_ctrl.identification.another_day.reference_error import unseen_error
 from irb2400_ctrl.measurement.prepared_log import prepare
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.report.pages.diagnosis_page import lines

@@ -20,7 +20,7 @@ from irb2400_ctrl.diagnosis.comparison.criteria import Criteria
 from irb2400_ctrl.diagnosis.numbers import RATIO
 from irb2400_ctrl.diagnosis.preparation.noise import Noise
 from irb2400_ctrl.identification import change, diagnose_change
-from irb2400_ctrl.identification.reference_error import has_changed
+from irb2400_ctrl.identification.another_day.reference_error import has_changed
 from irb2400_ctrl.report.pages.diagnosis_page import lines
 
 JOINT = 3

@@ -10,7 +10,11 @@ import numpy as np
 import pytest
 
 from irb2400_ctrl.diagnosis import Number
-from irb2400_ctrl.identification.reference_error import has_changed, simplest, worse_joints
+from irb2400_ctrl.identification.another_day.reference_error import (
+    has_changed,
+    simplest,
+    worse_joints,
+)
 
 
 def changed(place: str) -> Number:

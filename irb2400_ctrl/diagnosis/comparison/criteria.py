@@ -104,11 +104,9 @@ class Threshold:
     ) -> None:
         """`predicted`: torque of the robot as given along the motion, and of each of its effects,
         shape (m, n) [Nm]; `robot`: default one of which no more is known."""
-        self.usual: Array | float = 0.0
-        self.friction: OwnFriction | None = None
-        if robot is not None:
-            self.usual = robot.usually_left
-            self.friction = OwnFriction(robot, motion)
+        self.usual: Array | float = 0.0 if robot is None else robot.usually_left
+        self.friction = None if robot is None else OwnFriction(robot, motion)
+        self.identified = robot is not None and robot.identified is not None
         self.criteria = criteria
         self.n = motion.n
         torques = map(motion.filtered_reading, (motion.tau, *predicted))
@@ -270,6 +268,8 @@ class Threshold:
             return c.gain_rattling
         if not candidate.known:
             return c.non_parametric_gain
+        if self.identified and all(e.chain == "clock" and not e.joint for e in candidate.effects):
+            return c.gain_stated
         if not self.in_base(comparison, candidate):
             return c.gain
         if alternative.by_law < c.gain and candidate.has_own_shape:

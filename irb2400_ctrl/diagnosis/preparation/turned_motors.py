@@ -9,6 +9,8 @@ import numpy as np
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.effects.geared_motor import GearedMotor, along
+from irb2400_ctrl.measurement.prepared_log import PreparedLog
+from irb2400_ctrl.measurement.standstill import slow
 from irb2400_ctrl.robot import Robot
 
 
@@ -71,6 +73,25 @@ class TurnedMotors:
         }
         effects = tuple(changed.get(id(effect), effect) for effect in robot.effects)
         return robot.model_copy(update={"effects": effects})
+
+
+def with_turning_motors(robot: Robot, motion: PreparedLog) -> PreparedLog:
+    """The motion without the torques of all joints that feel a motor where that turns or rests.
+
+    Joints that move may hold a motor still between them; then its dry friction is undetermined, and
+    it turns over in no column of theirs.
+
+    Args:
+        robot: whose motors they are; motion: the log, prepared.
+    """
+    motors = [effect for effect in robot.effects if isinstance(effect, GearedMotor)]
+    if not motors:
+        return motion
+    unknown = np.zeros(motion.qd.shape, dtype=bool)
+    for motor in motors:
+        turns = np.array(motor.turns(motion.n))
+        unknown |= np.outer(slow(motion.qd @ turns, motion.step), turns != 0.0)
+    return motion.without(unknown)
 
 
 def _share(of_motor: float, of_joint: float) -> float:

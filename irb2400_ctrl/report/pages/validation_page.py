@@ -44,6 +44,8 @@ def validation_page(result: Validation, robot: Robot | None = None, log: Log | N
     for seen in result.logs:
         if seen.problem:
             page.finding(f"{Path(seen.log).name} {seen.problem}.")
+        for told in () if seen.problem else seen.changed:
+            page.finding(f"{Path(seen.log).name}, {told}.")
     page.heading("Error (eqs. 75-77)")
     page.table(
         "Errors of the torque, as the paper's Tab. 6" + ", all logs" * several, *rows(result.error)
@@ -116,6 +118,6 @@ def lines(result: Validation) -> list[str]:
             told = [show(value) for value in (mae, rmse, mean, share)]
             found.append(f"{joint:>5}{told[0]:>10}{told[1]:>11}{told[2]:>10}{told[3]:>14}")
     for log in result.logs:
-        said = [*log.remarks, *few_samples(log)]
+        said = [*log.notes, *few_samples(log)]
         found += [f"note: {Path(log.log).name}: {remark}" for remark in said]
     return found
