@@ -221,7 +221,9 @@ def _concluded(
     searched = beside_noise(fitter, steps, fit) if bent else fit
     fit = _settled(prior, steps, searched, motion, given)
     moved = prior.updated(prior.deviations(fit.z))
-    augmented = Robot.model_validate({**dict(moved), "effects": (*moved.effects, *fit.effects)})
+    names = findings_of(prior, steps, fit, fitter, selection.scan.load, change)
+    effects = (*moved.effects, *(name.effect for name in names))
+    augmented = Robot.model_validate({**dict(moved), "effects": effects})
     # what began in the middle of one record is there all through the next
     later = augmented.lasting()
     alone = _possible(prior, fitter.as_stated(fitter.fit([])))
@@ -236,7 +238,6 @@ def _concluded(
         told = tuple(one for one in told if one.list == "lacks")
     unsure = unsure_of(searched, motion)
     noise = noise_test(fitter.robot, logs.used, motion, compared.after, unsure, fit.effects)
-    names = findings_of(prior, steps, fit, fitter, selection.scan.load, change)
     weak = (
         *(*logs.remarkable, *motion.from_measured),
         f"too slow in this log for much to be said: {numbered('joint', idle)}" if idle else "",

@@ -19,6 +19,11 @@ from irb2400_ctrl.diagnosis.comparison.confidence import (
 from irb2400_ctrl.diagnosis.comparison.step import Step
 from irb2400_ctrl.diagnosis.curves import UNITS, binned_curve
 from irb2400_ctrl.diagnosis.estimation.candidate import Candidate
+from irb2400_ctrl.diagnosis.estimation.carried import (
+    as_carried,
+    errors_as_carried,
+    shares_of_the_loaded,
+)
 from irb2400_ctrl.diagnosis.estimation.effect_parameters import changed_of
 from irb2400_ctrl.diagnosis.estimation.fit import Fit, Fitter
 from irb2400_ctrl.diagnosis.finding import Finding, Unexplained
@@ -61,6 +66,7 @@ def findings_of(
     found = []
     place = 0
     measured = motion.filtered_reading(motion.tau)
+    loaded = shares_of_the_loaded(fit, fitter)
     for step in steps:
         for _ in step.candidate.effects:
             effect = fit.effects[place]
@@ -73,8 +79,10 @@ def findings_of(
             sure = of_name(step, effect, gain, float(share.max()))
             found.append(
                 Finding(
-                    effect=effect,
-                    standard_errors=_standard_errors(fit, place, step.candidate),
+                    effect=as_carried(effect, loaded[place]),
+                    standard_errors=errors_as_carried(
+                        effect, _standard_errors(fit, place, step.candidate), loaded[place]
+                    ),
                     confidence=min(sure, LOOKALIKE_CAP) if instead else sure,
                     alternatives=tuple(dict.fromkeys((*alternatives(step), *instead))),
                     list=list_of(effect, change),
