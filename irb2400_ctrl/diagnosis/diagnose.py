@@ -222,8 +222,7 @@ def _concluded(
     fit = _settled(prior, steps, searched, motion, given)
     moved = prior.updated(prior.deviations(fit.z))
     names = findings_of(prior, steps, fit, fitter, selection.scan.load, change)
-    effects = (*moved.effects, *(name.effect for name in names))
-    augmented = Robot.model_validate({**dict(moved), "effects": effects})
+    augmented = _checked(moved.with_effects(*(name.effect for name in names)))
     # what began in the middle of one record is there all through the next
     later = augmented.lasting()
     alone = _possible(prior, fitter.as_stated(fitter.fit([])))
@@ -265,6 +264,10 @@ def _concluded(
         unsettled=selection.unsettled,
     )
     return replace(found, weak=(*found.weak, *_read_off(found, selection)))
+
+
+def _checked(robot: Robot) -> Robot:
+    return Robot.model_validate(dict(robot))
 
 
 def _moved_together(selection: Selection, fit: Fit) -> tuple[Number, ...]:
