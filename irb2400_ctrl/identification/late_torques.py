@@ -30,8 +30,8 @@ from irb2400_ctrl.identification.fitting.moments import Recording, moments, pred
 from irb2400_ctrl.identification.fitting.motion_source import Source, motion_of
 from irb2400_ctrl.identification.fitting.noise import correlation_factor
 from irb2400_ctrl.measurement import Log
+from irb2400_ctrl.measurement.motion.standstill import STICKING_SPEED
 from irb2400_ctrl.measurement.prepared_log import PreparedLog
-from irb2400_ctrl.measurement.standstill import STICKING_SPEED
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.robot import Robot
 

@@ -17,7 +17,7 @@ from irb2400_ctrl.measurement.motion.commanded import BLEND, used_angles
 from irb2400_ctrl.measurement.motion.held_samples import released
 from irb2400_ctrl.measurement.motion.lost_rows import with_rows_counted
 from irb2400_ctrl.measurement.motion.recorded_speed import calmer_speed
-from irb2400_ctrl.measurement.standstill import sticking, undetermined
+from irb2400_ctrl.measurement.motion.standstill import sticking, undetermined
 from irb2400_ctrl.measurement.torque_filter import TorqueFilter, find_torque_filter
 from irb2400_ctrl.measurement.uniform import (
     SMOOTHING,

@@ -15,7 +15,7 @@ from irb2400_ctrl.diagnosis.comparison.selection import Selection
 from irb2400_ctrl.diagnosis.comparison.step import Step, apart, of_one_moment
 from irb2400_ctrl.diagnosis.estimation.fit import Fit, Fitter
 from irb2400_ctrl.diagnosis.estimation.reversals import reversal_rows
-from irb2400_ctrl.measurement.standstill import STICKING_SPEED
+from irb2400_ctrl.measurement.motion.standstill import STICKING_SPEED
 
 
 def test_explanations_that_push_each_other_out_are_not_tried_for_ever(

@@ -13,9 +13,9 @@ from irb2400_ctrl.diagnosis.preparation.contacts import Contacts, turns
 from irb2400_ctrl.diagnosis.preparation.quick_turns import TAKEN, left_by_a_loop, quick_turns
 from irb2400_ctrl.diagnosis.regressors.bases import Bases
 from irb2400_ctrl.effects.hysteresis import Hysteresis
+from irb2400_ctrl.measurement.motion.standstill import STICKING_SPEED
 from irb2400_ctrl.measurement.partial_low_pass import PartialLowPass
 from irb2400_ctrl.measurement.prepared_log import PreparedLog
-from irb2400_ctrl.measurement.standstill import STICKING_SPEED
 from irb2400_ctrl.measurement.uniform import widened
 
 REVERSAL_TIME = 0.16

@@ -9,8 +9,8 @@ import numpy as np
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.effects.geared_motor import GearedMotor, along
+from irb2400_ctrl.measurement.motion.standstill import slow
 from irb2400_ctrl.measurement.prepared_log import PreparedLog
-from irb2400_ctrl.measurement.standstill import slow
 from irb2400_ctrl.robot import Robot
 
 

@@ -15,8 +15,8 @@ import numpy as np
 
 from irb2400_ctrl.arrays import Array, Integers, Mask
 from irb2400_ctrl.identification.fitting.columns import ColumnLayout, columns, torque_of
+from irb2400_ctrl.measurement.motion.standstill import STICKING_SPEED
 from irb2400_ctrl.measurement.prepared_log import PreparedLog
-from irb2400_ctrl.measurement.standstill import STICKING_SPEED
 from irb2400_ctrl.model import Model
 
 BLOCKS = 120
