@@ -3,6 +3,8 @@ is not resolved."""
 
 from __future__ import annotations
 
+import importlib
+
 import numpy as np
 import pytest
 from third_plant.case import Case
@@ -24,6 +26,7 @@ from irb2400_ctrl.measurement.prepared_log import PreparedLog
 from irb2400_ctrl.measurement.uniform import LowPass
 from irb2400_ctrl.robot import load_robot
 
+module = importlib.import_module("irb2400_ctrl.diagnosis.preparation.quick_turns")
 ROBOT = load_robot("irb2400")
 BASES = Bases(ROBOT)
 STEP = 0.004
@@ -81,6 +84,15 @@ def test_nor_what_is_smooth_or_grows_with_the_speed() -> None:
     q = motion.q[:, WRIST]
     speed = motion.qd[:, WRIST]
     assert share(motion, 3.0 * speed + 20.0 * q + 2.0 * np.sign(speed)) > 0.9
+
+
+def test_nor_is_it_one_that_leaves_more_than_noise(monkeypatch: pytest.MonkeyPatch) -> None:
+    """As of a link that swings on its spring: a loop took 60 % of that."""
+    motion = turning()
+    swing = 0.1 * np.sin(2 * np.pi * 9.0 * motion.time + 0.3)
+    assert share(motion, loop(motion, 3e-3) + swing) == 1.0
+    monkeypatch.setattr(module, "AS_NOISE", np.inf)
+    assert share(motion, loop(motion, 3e-3) + swing) < TAKEN
 
 
 def test_slow_turns_say_nothing() -> None:
