@@ -175,7 +175,7 @@ def test_a_validation_shows_three_digits() -> None:
     )
     quiet = np.zeros((1, 1))
     log: Any = SimpleNamespace(
-        log="a.csv", error=error, remarks=(), known=quiet > 0, measured=quiet, modelled=quiet
+        log="a.csv", error=error, notes=(), known=quiet > 0, measured=quiet, modelled=quiet
     )
     told = lines(SimpleNamespace(logs=[log], error=error))  # type: ignore[arg-type]
     assert told[1].split() == ["1", "0.992", "2.06", "257", "0.801"]
