@@ -4,6 +4,7 @@ is not resolved."""
 from __future__ import annotations
 
 import importlib
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ from third_plant.suites import plan
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.diagnosis import diagnose
+from irb2400_ctrl.diagnosis.estimation.reversals import _where_they_slide, reversal_rows
 from irb2400_ctrl.diagnosis.preparation.quick_turns import (
     QUICK,
     SLIDES,
@@ -36,13 +38,13 @@ LOOP = 1.0
 """[Nm]"""
 
 
-def turning(amplitude: float = 0.4, frequency: float = 0.7, noise: float = 0.02) -> PreparedLog:
-    """Joint 6 turns to and fro under noise alone [Nm]."""
+def turning(amplitude: float = 0.4, seconds: float = 12.0) -> PreparedLog:
+    """Joint 6 turns to and fro under noise alone."""
     rng = np.random.default_rng(4)
-    time = np.arange(3000) * STEP
+    time = np.arange(0.0, seconds, STEP)
     q = np.zeros((len(time), 6))
-    q[:, WRIST] = amplitude * np.sin(2 * np.pi * frequency * time)
-    return prepare(Log(time, q, noise * rng.normal(size=q.shape), name="turns"))
+    q[:, WRIST] = amplitude * np.sin(2 * np.pi * 0.7 * time)
+    return prepare(Log(time, q, 0.02 * rng.normal(size=q.shape), name="turns"))
 
 
 def loop(motion: PreparedLog, width: float) -> Array:
@@ -101,6 +103,12 @@ def test_slow_turns_say_nothing() -> None:
     assert share(motion, loop(motion, 3e-3)) == 1.0
 
 
+def test_neither_do_a_few() -> None:
+    motion = turning(seconds=3.2)
+    assert 3 <= len(quick_turns(motion, WRIST).between) <= 4
+    assert share(motion, loop(motion, 3e-3)) == 1.0
+
+
 def test_the_samples_of_a_turn() -> None:
     motion = turning()
     found = quick_turns(motion, WRIST)
@@ -112,6 +120,26 @@ def test_the_samples_of_a_turn() -> None:
         assert (stands.stop - stands.start) * motion.step <= QUICK
         own = found.rows[found.turn == k]
         assert own.min() < stands.start <= stands.stop <= own.max()
+
+
+def test_rows_about_quick_turns_hold_nothing_of_what_sticks() -> None:
+    motion = turning()
+    stuck = motion.tau.copy()
+    stuck[:, WRIST] += sticks(motion)
+    rows = _where_they_slide(replace(motion, tau=stuck, tau_smooth=stuck), [WRIST])
+    plain = _where_they_slide(motion, [WRIST])
+    np.testing.assert_array_equal(rows.row_known, plain.row_known)
+    known = rows.row_known[:, WRIST]
+    assert known[reversal_rows(motion)[:, WRIST] & motion.row_known[:, WRIST]].mean() > 0.5
+    found = rows.filtered_reading(rows.tau_smooth)[known, WRIST]
+    np.testing.assert_allclose(found, plain.filtered_reading(plain.tau_smooth)[known, WRIST])
+
+
+def test_rows_about_other_turns_are_left_out() -> None:
+    slow = turning(amplitude=0.05)
+    near = reversal_rows(slow)[:, WRIST]
+    assert near.any()
+    assert not _where_they_slide(slow, [WRIST]).row_known[near, WRIST].any()
 
 
 def test_samples_that_do_not_count_change_nothing() -> None:

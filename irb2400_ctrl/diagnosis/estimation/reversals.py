@@ -9,11 +9,11 @@ import numpy as np
 
 from irb2400_ctrl.arrays import Array, Mask
 from irb2400_ctrl.diagnosis.estimation.fit import Fit
-from irb2400_ctrl.diagnosis.preparation.contacts import Contacts, turns
+from irb2400_ctrl.diagnosis.preparation.contacts import Contacts
 from irb2400_ctrl.diagnosis.preparation.quick_turns import TAKEN, left_by_a_loop, quick_turns
 from irb2400_ctrl.diagnosis.regressors.bases import Bases
 from irb2400_ctrl.effects.hysteresis import Hysteresis
-from irb2400_ctrl.measurement.motion.standstill import STICKING_SPEED
+from irb2400_ctrl.measurement.motion.standstill import turning
 from irb2400_ctrl.measurement.partial_low_pass import PartialLowPass
 from irb2400_ctrl.measurement.prepared_log import PreparedLog
 from irb2400_ctrl.measurement.uniform import widened
@@ -43,15 +43,7 @@ def near_reversals(qd: Array, step: float) -> Mask:
     Args:
         qd: speeds, shape (m, n); step: between two samples [s].
     """
-    turning = np.column_stack([_turning(speed) for speed in qd.T])
-    return widened(turning, round(REVERSAL_TIME / step))
-
-
-def _turning(speed: Array) -> Mask:
-    """Samples at which one joint changes its direction or nearly stops; `speed` (m,) [rad/s]."""
-    turning = np.abs(speed) < STICKING_SPEED
-    turning[turns(speed)[0]] = True
-    return turning
+    return widened(turning(qd), round(REVERSAL_TIME / step))
 
 
 def noisy_reversals_masked(
@@ -106,11 +98,11 @@ def _where_they_slide(motion: PreparedLog, joints: Sequence[int]) -> PreparedLog
     known = motion.row_known.copy()
     tau = motion.tau_smooth.copy()
     for j in joints:
-        turning = _turning(motion.qd[:, j])
+        others = turning(motion.qd[:, j])
         for between in quick_turns(motion, j).between:
             counts[between] = False
-            turning[between] = False
-        others = widened(turning, round(REVERSAL_TIME / motion.step))
+            others[between] = False
+        others = widened(others, round(REVERSAL_TIME / motion.step))
         known[:, j] &= ~motion.low_pass.instants(others)
         # smoothed, the torque of breaking away would reach to where the joint slides
         tau[:, j] = motion.tau[:, j]

@@ -25,7 +25,8 @@ REACH = 0.025
 """[rad] that is looked at on both sides"""
 FEWEST_SAMPLES = 4
 """on either side"""
-FEWEST_TURNS = 3
+FEWEST_TURNS = 5
+"""the swing of a soft joint passes for a loop at three or four"""
 NARROW = (4e-4, 8e-4)
 """[rad] as wide as contacts may be"""
 WIDTHS = np.geomspace(1.6e-3, 8e-3, 6)

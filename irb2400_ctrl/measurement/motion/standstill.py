@@ -46,9 +46,15 @@ def slow(speed: Array, step: float) -> Mask:
     Args:
         speed: [rad/s], samples along the first axis; step: between them [s].
     """
-    turning = np.abs(speed) < STICKING_SPEED
-    turning[1:] |= np.diff(np.sign(speed), axis=0) != 0.0
-    return widened(turning, round(STICKING_TIME / step))
+    return widened(turning(speed), round(STICKING_TIME / step))
+
+
+def turning(speed: Array) -> Mask:
+    """Samples at which whatever turns at a speed [rad/s] nearly stops, or before it turns back;
+    samples along the first axis, shape of the speed."""
+    found = np.abs(speed) < STICKING_SPEED
+    found[:-1] |= np.diff(np.sign(speed), axis=0) != 0.0
+    return found
 
 
 def sticking(still: Mask, qd: Array, step: float) -> Mask:
