@@ -11,6 +11,8 @@ import pytest
 from mujoco_plant.case import Case
 from mujoco_plant.present import Wanted
 
+from irb2400_ctrl.diagnosis.comparison import possible
+from irb2400_ctrl.effects.encoder_zero import EncoderZero
 from irb2400_ctrl.measurement import Log
 from irb2400_ctrl.robot import load_robot
 
@@ -26,7 +28,7 @@ from benchmarks.naming.measures import (
     moved,
     table,
 )
-from benchmarks.naming.without_rules import RULES, differences, left_out
+from benchmarks.naming.without_rules import RULES, _told, differences, left_out, watched
 
 
 def _log(case: Case) -> Log:
@@ -122,14 +124,24 @@ def test_a_rule_that_is_left_out_is_back_afterwards(rule: str) -> None:
     assert [getattr(where, name) for where, name, _ in RULES[rule]] == before
 
 
-def test_arms_with_other_names_are_told_giver_by_giver() -> None:
+def test_a_rule_acts_where_its_answer_is_another() -> None:
+    huge = EncoderZero(joint=2, zero_rad=3.0)
+    with watched() as acting:
+        assert possible.small_enough(EncoderZero(joint=2, zero_rad=0.01))
+        assert acting == set()
+        assert not possible.small_enough(huge)
+        assert acting == {"small_enough"}
+    assert not possible.small_enough(huge)
+
+
+def test_arms_with_other_names_are_told_rule_by_rule() -> None:
     usual = _line(case="single/0", names=[_name("time_delay", 0.8)])
-    same = usual | {"by": "without_once"}
-    other = usual | {"by": "without_doubted", "names": []}
-    text = differences([usual, same, other]).splitlines()
-    assert text[0].startswith("without_doubted single/0: ")
+    told = _told(usual)
+    one = usual | {"without": {"doubted": ["nothing_missing"], "once": told}}
+    text = differences([one, usual | {"without": {}}]).splitlines()
+    assert text[0].startswith("doubted single/0: ")
     assert text[0].endswith("-> ['nothing_missing']")
-    assert text[1:] == [
-        "without_doubted: other names on 1 of 1 arms",
-        "without_once: other names on 0 of 1 arms",
-    ]
+    assert len(text) == 1 + len(RULES)
+    assert "doubted: acts on 1 of 2 arms, other names on 1" in text
+    assert "once: acts on 1 of 2 arms, other names on 0" in text
+    assert "turns: acts on 0 of 2 arms, other names on 0" in text

@@ -2,7 +2,7 @@
 
     python -m benchmarks.naming run OUT.jsonl --count 6 [--suites clean,single] [--seed S]
     python -m benchmarks.naming table OUT.jsonl
-    python -m benchmarks.naming run OUT.jsonl --by diagnosis,without_once   (a rule left out)
+    python -m benchmarks.naming run OUT.jsonl --by without_each   (rule by rule left out)
     python -m benchmarks.naming differ OUT.jsonl
 
 A run goes on where it stopped: arms that are in OUT.jsonl are not run again. Without a seed a fresh
@@ -94,7 +94,7 @@ def main() -> None:
     shower = commands.add_parser("table", help="counts as Markdown")
     shower.add_argument("files", nargs="+")
     shower.set_defaults(do=lambda args: print(table(read(args.files))))
-    differ = commands.add_parser("differ", help="arms with other names than the diagnosis gives")
+    differ = commands.add_parser("differ", help="arms with other names where a rule is left out")
     differ.add_argument("files", nargs="+")
     differ.set_defaults(do=lambda args: print(differences(read(args.files))))
     args = parser.parse_args()

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from benchmarks.naming.givers import GIVERS, difference_floor
-from benchmarks.naming.without_rules import WITHOUT
+from benchmarks.naming.without_rules import without_each
 from irb2400_ctrl.measurement import Log
 from irb2400_ctrl.robot import Robot
 
@@ -26,10 +26,10 @@ def given(about: Line, log: Log, robot: Robot, givers: Sequence[str]) -> list[Li
         about: case, seed and truth.
         log: of the arm.
         robot: what is known of it.
-        givers: of `GIVERS` and `WITHOUT`.
+        givers: of `GIVERS`, and `without_each`.
     """
     about = {**about, "floor": difference_floor(log).tolist()}
-    everyone = {**GIVERS, **WITHOUT}
+    everyone = {**GIVERS, "without_each": without_each}
     return [{**about, "by": giver, **everyone[giver](robot, log)} for giver in givers]
 
 
@@ -45,7 +45,7 @@ def go(
         out: file of lines.
         seed: of the suites.
         arms: name of each, and what its lines are, one per giver asked for.
-        givers: of `GIVERS`.
+        givers: as of `given`.
     """
     before = done(out, seed)
     for name, lines_of in arms:

@@ -1,15 +1,19 @@
 """The diagnosis with one rule of its search left out: whether that rule matters on fresh arms.
 
-python -m benchmarks.naming run OUT.jsonl --by diagnosis,without_once --count 6
+python -m benchmarks.naming run OUT.jsonl --by without_each --count 6
 python -m benchmarks.naming differ OUT.jsonl
+
+A rule that answers all along as what is put in its place has nothing to do on that arm, and is not
+left out there.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
-from functools import partial
+from contextlib import ExitStack, contextmanager
+from functools import wraps
 from typing import Any
+from unittest.mock import patch
 
 import numpy as np
 
@@ -25,6 +29,8 @@ from irb2400_ctrl.diagnosis.comparison import (
 from irb2400_ctrl.diagnosis.comparison.at_load_changes import AtLoadChanges
 from irb2400_ctrl.diagnosis.comparison.at_reversals import AtReversals
 from irb2400_ctrl.diagnosis.comparison.comparison import StepComparison
+from irb2400_ctrl.diagnosis.comparison.own_friction import OwnFriction
+from irb2400_ctrl.diagnosis.estimation import reversals
 from irb2400_ctrl.measurement import Log
 from irb2400_ctrl.robot import Robot
 
@@ -53,6 +59,19 @@ RULES: dict[str, tuple[Put, ...]] = {
     "leftover": ((StepComparison, "leftover", lambda *_: None),),
     "usual": ((acceptance, "usual", lambda *_: True),),
     "can_be_taken_off": ((possible, "can_be_taken_off", lambda *_: True),),
+    "can_be_put_on": ((possible, "can_be_put_on", lambda *_: True),),
+    "within_reach": ((possible, "within_reach", lambda *_: True),),
+    "relaxes_within_reach": ((possible, "relaxes_within_reach", lambda *_: True),),
+    "in_time": ((possible, "in_time", lambda *_: True),),
+    "small_enough": ((possible, "small_enough", lambda *_: True),),
+    "larger_one_way": ((possible, "larger_one_way", lambda *_: True),),
+    "shaken": ((acceptance, "shaken", lambda *_: False),),
+    "of_its_law": ((ACCEPTANCE, "_of_its_law", lambda *_: True),),
+    "swings_so": ((ACCEPTANCE, "_swings_so", lambda *_: True),),
+    "without_its_other": ((selection, "without_its_other", lambda _: None),),
+    "own_friction": ((OwnFriction, "counted", lambda _, torque, usual: usual),),
+    "clock": ((criteria, "of_the_clock", lambda *_: False),),
+    "quick_turns": ((reversals, "left_by_a_loop", lambda *_: 1.0),),
     "stands_clear": (
         (ACCEPTANCE, "clear", lambda _, steps, fit, k: [True] * len(steps[k].candidate.effects)),
     ),
@@ -66,38 +85,73 @@ RULES: dict[str, tuple[Put, ...]] = {
 @contextmanager
 def left_out(rule: str) -> Iterator[None]:
     """The search without a rule."""
-    kept = [(where, name, getattr(where, name)) for where, name, _ in RULES[rule]]
-    for where, name, instead in RULES[rule]:
-        setattr(where, name, instead)
-    try:
+    with ExitStack() as put:
+        for where, name, instead in RULES[rule]:
+            put.enter_context(patch.object(where, name, instead))
         yield
-    finally:
-        for where, name, before in kept:
-            setattr(where, name, before)
 
 
-def without(rule: str, robot: Robot, log: Log) -> Said:
-    """`diagnosis` without a rule."""
-    with left_out(rule):
-        return diagnosis(robot, log)
+@contextmanager
+def watched() -> Iterator[set[str]]:
+    """The rules that answer otherwise than what would be put in their place."""
+    acting: set[str] = set()
+    with ExitStack() as put:
+        for rule, places in RULES.items():
+            for where, name, instead in places:
+                kept = _watching(rule, getattr(where, name), instead, acting)
+                put.enter_context(patch.object(where, name, kept))
+        yield acting
 
 
-WITHOUT = {f"without_{rule}": partial(without, rule) for rule in RULES}
+def _watching(
+    rule: str, kept: Callable[..., Any], instead: Callable[..., Any], acting: set[str]
+) -> Callable[..., Any]:
+    """A rule that adds its name to `acting` where its answer is not `instead`."""
+
+    @wraps(kept)
+    def answered(*given: Any, **named: Any) -> Any:
+        answer = kept(*given, **named)
+        if not _same(answer, instead(*given, **named)):
+            acting.add(rule)
+        return answer
+
+    return answered
+
+
+def _same(one: Any, other: Any) -> bool:
+    if isinstance(one, tuple | list) and isinstance(other, tuple | list):
+        return len(one) == len(other) and all(map(_same, one, other))
+    if isinstance(one, np.ndarray):
+        return bool(np.array_equal(one, other))
+    return one is other or (isinstance(one, bool | float | str) and one == other)
+
+
+def without_each(robot: Robot, log: Log) -> Said:
+    """`diagnosis`, and names and verdict without each rule that has something to do."""
+    with watched() as acting:
+        said = diagnosis(robot, log)
+    without = {}
+    for rule in sorted(acting):
+        with left_out(rule):
+            without[rule] = _told(diagnosis(robot, log))
+    return {**said, "without": without}
 
 
 def differences(lines: list[dict[str, Any]]) -> str:
-    """Arms on which another giver says other names than the diagnosis, as lines of text; at the end
-    on how many."""
-    usual = {(x["case"], x["seed"]): x for x in lines if x["by"] == "diagnosis"}
+    """Arms on which another answer is given without a rule, as lines of text; at the end a line per
+    rule: on how many it acts."""
+    arms = [x for x in lines if "without" in x]
     said = []
-    for giver in sorted({x["by"] for x in lines} - {"diagnosis"}):
-        of_giver = [x for x in lines if x["by"] == giver and (x["case"], x["seed"]) in usual]
-        other = [x for x in of_giver if _told(x) != _told(usual[x["case"], x["seed"]])]
-        for line in other:
-            before = usual[line["case"], line["seed"]]
-            there = [(t["kind"], t["joint"]) for t in line["truth"]]
-            said.append(f"{giver} {line['case']}: {there}: {_told(before)} -> {_told(line)}")
-        said.append(f"{giver}: other names on {len(other)} of {len(of_giver)} arms")
+    for rule in RULES:
+        acts = [x for x in arms if rule in x["without"]]
+        other = [x for x in acts if x["without"][rule] != _told(x)]
+        for x in other:
+            there = [(t["kind"], t["joint"]) for t in x["truth"]]
+            said.append(f"{rule} {x['case']}: {there}: {_told(x)} -> {x['without'][rule]}")
+    for rule in RULES:
+        acts = [x for x in arms if rule in x["without"]]
+        other = [x for x in acts if x["without"][rule] != _told(x)]
+        said.append(f"{rule}: acts on {len(acts)} of {len(arms)} arms, other names on {len(other)}")
     return "\n".join(said)
 
 
