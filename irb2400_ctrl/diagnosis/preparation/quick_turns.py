@@ -42,8 +42,9 @@ one, 5.3 on a joint that swings on its spring"""
 MEDIAN_OF_NORMAL = 0.6745
 SECOND_DIFFERENCE = float(np.sqrt(6.0))
 TAKEN = 0.55
-"""of what is left there, above which a loop does not explain it: 0.20 to 0.47 on five
-wrists of the third plant that have one, 0.69 and more on the joints of 97 arms that have none"""
+"""of what is left there, above which a loop does not explain it: 0.20 to 0.47 on five wrists of the
+third plant that have one, 0.65 and more on joints without (`benchmarks/quick_turns.py`); wide play
+passes for one (0.12), and keeps its name"""
 
 
 @dataclass(frozen=True)
