@@ -49,13 +49,13 @@ class Rows:
     seconds: float
     time: Array
 
-    @property
+    @cached_property
     def size(self) -> Array:
         """Rms torque of each joint, shape (n,) [Nm]; never zero."""
         size = np.sqrt(np.mean(self.tau**2, axis=0))
         return np.asarray(size + SMALLEST * size.max() + 1e-9)
 
-    @property
+    @cached_property
     def silent(self) -> Mask:
         """Joints of which nothing was recorded, or that a brake holds: they tell nothing, (n,)."""
         return np.asarray((np.ptp(self.q, axis=0) < UNMOVED) & ~self.tau.any(axis=0))
