@@ -66,6 +66,7 @@ def judged(
     over_given: float = 1.0,
     of_the_fit: bool = False,
     of_one_size: bool = True,
+    builds_up: bool = True,
     all_found: bool = True,
     of_its_law: bool = True,
 ) -> bool:
@@ -82,6 +83,7 @@ def judged(
     acceptance._beyond_base = lambda candidate, fit: beyond
     acceptance._of_its_law = lambda effect: of_its_law
     acceptance._of_one_size = lambda steps, fit, place: of_one_size
+    acceptance._builds_up = lambda steps, fit, place: builds_up
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(module, "HeldOut", lambda fitter, chosen, fit: held_out)
         step: Any = SimpleNamespace(candidate=candidate, gain=20.0)
@@ -100,6 +102,9 @@ def test_a_name_stays_only_where_the_files_own_error_is_better_with_it() -> None
     assert not judged(name, [0.0, 5.0, -1.0], of_its_law=False)
     assert not judged(name, [9.0, -0.1, 0.0])  # worse where it sits
     assert not judged(name, [0.0, 5.0, -6.0])  # worse on all joints together
+    # what sticks near reversals shows once all else is found
+    assert not judged(name, [0.0, 5.0, -1.0], builds_up=False)
+    assert judged(name, [0.0, 5.0, -1.0], builds_up=False, all_found=False)
     load = SimpleNamespace(
         known=True, everywhere=False, devices=frozenset(), effects=(offset,), joint=None
     )

@@ -16,6 +16,7 @@ from irb2400_ctrl.diagnosis.estimation.effect_parameters import value_of, with_v
 from irb2400_ctrl.diagnosis.estimation.evidence import Problem
 from irb2400_ctrl.diagnosis.estimation.fit import Fit, Fitter
 from irb2400_ctrl.diagnosis.estimation.held_out import HeldOut, Worth
+from irb2400_ctrl.diagnosis.estimation.reversals import sticks_beside
 from irb2400_ctrl.diagnosis.regressors.bases import RegressorColumns
 from irb2400_ctrl.effects import Effect
 
@@ -143,7 +144,9 @@ class Acceptance:
         beyond = self._beyond_base(candidate, fit)
         if not any(self.clear(steps, fit, place)) or not all(map(self._of_its_law, fitted)):
             return False
-        if all_found and not self._of_one_size(steps, fit, place):
+        if all_found and not (
+            self._of_one_size(steps, fit, place) and self._builds_up(steps, fit, place)
+        ):
             return False
         worth = held_out.worth(place)
         told = held_out.told(place)
@@ -223,6 +226,17 @@ class Acceptance:
             expected=[(0.0, 1.0)] * len(joints),
         )
         return own.gain < OWN_SIZES * steps[place].gain
+
+    def _builds_up(self, steps: Sequence[Step], fit: Fit, place: int) -> bool:
+        """Whether a hysteresis follows what turns over at the reversals of its joint, where much is
+        left beside it: what sticks and breaks away there is none."""
+        candidate = steps[place].candidate
+        joint = candidate.joint
+        if candidate.kind != "hysteresis" or joint is None:
+            return True
+        others = [s.candidate for k, s in enumerate(steps) if k != place]
+        without = self.fitter.fit(others).residual
+        return not sticks_beside(self.fitter.motion, joint - 1, fit.residual, without)
 
     def _told(self, held_out: HeldOut, candidate: Candidate, place: int) -> Worth:
         """What a name is worth to what the robot's file will say; where other numbers of the robot
