@@ -33,19 +33,25 @@ def test_a_name_is_as_sure_as_what_speaks_against_it(
 
 
 @pytest.mark.parametrize(
-    ("beside", "joint", "most"),
+    ("kind", "beside", "joint", "most"),
     [
-        ("cable_spring", 6, 0.75),
-        ("wrist_coupling", 6, 0.75),
-        ("cable_spring", 5, 0.9),
-        ("viscous_change", 6, 0.9),
+        ("hysteresis", "cable_spring", 6, 0.75),
+        ("hysteresis", "wrist_coupling", 6, 0.75),
+        ("hysteresis", "cable_spring", 5, 0.9),
+        ("hysteresis", "viscous_change", 6, 0.9),
+        ("viscous_change", "viscous_warmup", 6, 0.75),
+        ("viscous_change", "viscous_warmup", 5, 0.9),
+        ("coulomb_change", "viscous_warmup", 6, 0.9),
     ],
 )
-def test_a_loop_beside_what_creeps_may_be_its_creep(beside: str, joint: int, most: float) -> None:
-    loop = replace(finding("hysteresis", 6, 0.5), confidence=0.9)
+def test_what_another_effect_of_the_joint_leaves_may_be_its_own(
+    kind: str, beside: str, joint: int, most: float
+) -> None:
+    """The creep of a cable, the rest of a warm-up."""
+    one = replace(finding(kind, 6, 0.5), confidence=0.9)
     other = replace(finding(beside, joint, 0.5), confidence=0.9)
-    told = suspected((other, loop), False, None)
-    assert [one.confidence for one in told] == [0.9, most]
+    told = suspected((other, one), False, None)
+    assert [each.confidence for each in told] == [0.9, most]
 
 
 @pytest.mark.parametrize(
