@@ -193,7 +193,7 @@ def _identified(robot: Robot, seen: Logs, others: Logs, gains: Gains | None) -> 
         verdicts=told,
         logs=results,
         notes=[
-            *said_of(sound, beside),
+            *said_of(sound, beside, robot=fitted),
             *against,
             *(one.says() for one in told_late),
             *([GUESSED.format(why=guessed)] if guessed else said_of_inertias(robot)),

@@ -16,16 +16,11 @@ from irb2400_ctrl.identification.fitting.consistent_fit import (
     pseudo_inertias,
 )
 from irb2400_ctrl.identification.fitting.fitted import Fit
-from irb2400_ctrl.identification.fitting.prior import Prior
+from irb2400_ctrl.identification.fitting.prior import FACTOR, FAR, Prior
 from irb2400_ctrl.robot import Body, Robot
 
 ALARM = 4.0
 """standard deviations beyond which a body is not the file's"""
-FAR = 10.0
-"""standard deviations of a mass, and"""
-FACTOR = 5.0
-"""factor, beyond both of which it is absurd even where the logs leave it open: what the fit takes
-so far away has a cause, if not that body"""
 SHOWN = 2.0
 """of its own standard errors, that a number must be from the file's for the logs to show it: what
 they leave open may end anywhere, because all numbers of a body have to be possible together"""

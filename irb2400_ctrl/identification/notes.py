@@ -129,6 +129,20 @@ def _sure(extra: Extra, found: Fit, covariance: Array) -> bool:
     return bool((np.abs(values) > SURE * errors).any())
 
 
+def _instead_of_bodies(moved: Sequence[Moved], found: Fit) -> list[str]:
+    """Of bodies that are not the file's and that a balancer would leave."""
+    furthest = max((one.link for one in moved if one.alarms), default=0)
+    if not furthest:
+        return []
+    balanced = [extra.joint for extra in found.instead if furthest >= extra.joint]
+    return [
+        f"a balancer on joint {joint}, which the file does not name, would say the same and leave "
+        "its bodies as they are; is there one? Bodies in its place predict other speeds, and "
+        "another mounting, wrongly"
+        for joint in balanced[:1]
+    ]
+
+
 def notes_of(
     moved: Sequence[Moved],
     found: Fit,
@@ -148,6 +162,7 @@ def notes_of(
             "file lacks, is it the file of this robot, is the time of the logs in seconds, are "
             "angles, their zeros and torques what their columns say (irb2400 log check)?"
         )
+    notes += _instead_of_bodies(moved, found)
     factor = shared_factor(moved)
     if factor is not None:
         notes.append(

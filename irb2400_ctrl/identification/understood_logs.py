@@ -12,6 +12,7 @@ from irb2400_ctrl.diagnosis.sound_logs import SortedLogs, sorted_logs
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.identification.identification import LogResult
 from irb2400_ctrl.measurement import Log
+from irb2400_ctrl.plausibility.over_time import against_the_rest
 from irb2400_ctrl.plausibility.problem import named
 from irb2400_ctrl.robot import Robot
 
@@ -42,12 +43,22 @@ def understood_logs(robot: Robot, logs: Sequence[Log]) -> SortedLogs:
     return found
 
 
-def said_of(*found: SortedLogs) -> list[str]:
-    """Notes on logs that were left out, and on what is remarkable about the others."""
+def said_of(*found: SortedLogs, robot: Robot | None = None) -> list[str]:
+    """Notes on logs that were left out, and on what is remarkable about the others.
+
+    Args:
+        found: the logs, sorted.
+        robot: as identified: a stretch that did not go with the rest for want of a motor that other
+            axes turn does where the robot has it.
+    """
     notes = []
     for some in found:
         notes += [f"left out {one.name}: {one.why}" for one in some.left_out]
-        notes += some.remarkable
+        for log, seen in some.taken:
+            stretch = "" if seen.understood is None else seen.understood.over_time
+            goes = robot is not None and bool(stretch) and not against_the_rest(robot, log)
+            told = [said for said in seen.remarkable if not goes or said != stretch]
+            notes += [f"{log.name}: {said}" for said in told]
     return notes
 
 

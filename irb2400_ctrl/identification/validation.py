@@ -15,6 +15,7 @@ from irb2400_ctrl.diagnosis.preparation.turned_motors import with_turning_motors
 from irb2400_ctrl.diagnosis.regressors.predict import predicted_torque
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.files import write_json
+from irb2400_ctrl.identification.another_day.never_identified import never_identified
 from irb2400_ctrl.identification.another_day.otherwise import otherwise
 from irb2400_ctrl.measurement import Log
 from irb2400_ctrl.measurement.prepared_log import prepare
@@ -29,7 +30,8 @@ class LogComparison:
     Args:
         time: [s], (m,); q, qd: [rad], [rad/s], measured, modelled: [Nm], (m, n);
         known: samples that count, (m, n).
-        remarks: what the reader should know of how it was recorded.
+        remarks: what the reader should know of how it was recorded, and of a file that was never
+            identified.
         changed: what is not as it was when the robot was identified (`otherwise`).
         problem: why its columns cannot be what they say, where that was asked and is so.
     """
@@ -123,7 +125,8 @@ def _compared(robot: Robot, log: Log) -> LogComparison:
     # with the time base rebuilt
     m = with_turning_motors(robot, prepare(log, quiet=True))
     modelled = predicted_torque(robot, m)
-    remarks = (*_seen_before(robot, log), *m.remarks)
+    of_the_file = never_identified(robot, m, modelled)
+    remarks = (*of_the_file, *_seen_before(robot, log), *m.remarks)
     changed = otherwise(robot, m, modelled)
     return LogComparison(log.name, m.time, m.q, m.qd, m.tau, modelled, m.known, remarks, changed)
 

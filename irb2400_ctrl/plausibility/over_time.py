@@ -17,12 +17,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from irb2400_ctrl.arrays import Array, Integers
+from irb2400_ctrl.arrays import Array, Integers, one_thread
+from irb2400_ctrl.measurement.instants.time_base import ungrouped, with_time_base
+from irb2400_ctrl.measurement.log import Log
 from irb2400_ctrl.plausibility.columns.jumps import MOVES
 from irb2400_ctrl.plausibility.coupled_wrist import of_other_axes
 from irb2400_ctrl.plausibility.evidence import Nominal
 from irb2400_ctrl.plausibility.problem import named
-from irb2400_ctrl.plausibility.rows import Rows
+from irb2400_ctrl.plausibility.rows import Rows, rows_of
+from irb2400_ctrl.robot import Robot
 
 PIECES = 24
 """of the record, at whose edges a stretch begins and ends"""
@@ -102,6 +105,17 @@ def disagreement(nominal: Nominal, rows: Rows) -> str:
         "there. A load taken up or put down, a contact, a channel that stuck or changed its unit, "
         f"sign or zero{gears}? Cut the log there unless you know"
     )
+
+
+@one_thread()
+def against_the_rest(robot: Robot, log: Log) -> str:
+    """`disagreement` of a log as it was recorded; nothing where it is too short for one.
+
+    Args:
+        robot: to hold it against; log: of it.
+    """
+    rows = rows_of(with_time_base(ungrouped(log)))
+    return "" if rows is None else disagreement(Nominal(robot), rows)
 
 
 def stretches(nominal: Nominal, rows: Rows, geared: bool = False) -> list[Stretch]:

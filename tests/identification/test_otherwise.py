@@ -77,9 +77,29 @@ def test_columns_that_are_not_what_they_say_tell_nothing_of_the_arm() -> None:
     assert not [line for line in lines(told) if "not as when" in line]
 
 
-def test_of_a_file_that_was_not_identified_nothing_is_said() -> None:
+def test_against_a_file_that_was_not_identified_nothing_has_changed() -> None:
     plain = irb.load_robot("irb2400")
     when = motion()
     torque = 2.0 * np.asarray(irb.Model(plain).inverse_dynamics(when.q, when.qd, when.qdd))
     (log,) = validate(plain, irb.Log(when.time, when.q, torque)).logs
     assert log.changed == ()
+
+
+def test_a_file_that_was_never_identified_is_said_to_be_one() -> None:
+    """Errors of 100 % with a maker's URDF were printed without a word."""
+    arm = irb.load_robot("irb2400")
+    (said,) = of_the_file(arm.with_unknown_friction(range(1, 7)), arm)
+    assert said.startswith("this file was never identified: what it leaves beyond noise, of joint ")
+    assert "It states no friction of joints 1, 2, 3, 4, 5 and 6." in said
+    assert "`irb2400 identify LOG... --robot FILE`" in said
+    assert not of_the_file(arm, arm)
+    assert not of_the_file(robot(), arm.with_effects(LIBRARY["payload"].of(None, mass_kg=4.0)))
+
+
+def of_the_file(file: irb.Robot, arm: irb.Robot) -> list[str]:
+    """What is said of a file on a log of an arm."""
+    when = motion()
+    torque = np.asarray(irb.Model(arm).inverse_dynamics(when.q, when.qd, when.qdd))
+    torque += NOISE * np.random.default_rng(5).normal(size=torque.shape)
+    (log,) = validate(file, irb.Log(when.time, when.q, torque, name="a.csv")).logs
+    return [one for one in log.notes if "never identified" in one]

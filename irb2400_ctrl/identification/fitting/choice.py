@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -69,11 +70,26 @@ class Choice:
     def extras(self) -> tuple[Extra, ...]:
         """Those that leave less unseen: with motors that other axes turn among them, or without,
         where couplings are what such gears look like."""
+        return self._chosen.layout.extras
+
+    def instead_of_bodies(self) -> tuple[Extra, ...]:
+        """Balancers that are none of `extras`, as bodies that can exist say the same, and beside
+        which the file's bodies are clearly more probable."""
+        chosen = self.extras()
+        found = []
+        for extra in candidates(self.base.layout.n):
+            if extra.kind == "balancer" and extra not in chosen:
+                more = self._tried((*chosen, extra)).evidence - self._chosen.evidence
+                found += [(more, extra)] * (more > CLEAR)
+        return tuple(extra for _, extra in sorted(found, key=lambda one: -one[0]))
+
+    @cached_property
+    def _chosen(self) -> _Trial:
         usual = candidates(self.base.layout.n)
         motors = [extra for extra in self.whole.extras if extra.kind == "motor"]
         without = self._among([*usual])
         with_motors = self._among([*usual, *motors]) if motors else without
-        return min(without, with_motors, key=_all_left).layout.extras
+        return min(without, with_motors, key=_all_left)
 
     def _among(self, open_ones: list[Extra]) -> _Trial:
         """One after another, the best first, while one is clear and gains unseen."""
@@ -107,8 +123,8 @@ class Choice:
 
         Bodies that cannot exist, or that the file has wrong, take the place of a balancer or a
         hose: there it is bodies that can exist, and of which the file says nothing, that must leave
-        more without it. Friction that bends, or grows with load, must not lead astray where there
-        is more of it.
+        more without it, or weigh what no link does. Friction that bends, or grows with load, must
+        not lead astray where there is more of it.
         """
         if extra.kind == "load" and not _gear_could(extra, trial):
             return False
@@ -122,6 +138,8 @@ class Choice:
             return _gains(extra, trial, now)
         if trial.evidence - now.evidence < CLEAR:
             return False
+        if extra.kind == "balancer" and self._absurd(now) and not self._absurd(trial):
+            return True
         like = replace(self.base.free, kappa=np.full(self.base.layout.n, MOST_WIDTH))
         left = []
         for layout in (now.layout, trial.layout):
@@ -129,6 +147,13 @@ class Choice:
             problem = self._problem(layout, self.sums.part(places), self.prior.part(places))
             left.append(rms(unseen_rms(problem, like, bounded=True)))
         return _gains(extra, replace(trial, left=left[1]), replace(now, left=left[0]))
+
+    def _absurd(self, one: _Trial) -> bool:
+        """Whether a link would weigh what it cannot, bodies being possible ones."""
+        sums = self.sums.part(one.layout.within(self.whole))
+        problem = self._problem(one.layout, sums, one.prior)
+        theta = problem.estimate(sigma=self.base.free.sigma).theta
+        return bool(one.prior.absurd(theta).any())
 
     def _slow_enough(self, extra: Extra) -> bool:
         """Whether samples show friction at low speed where it is: those at which its bell counts,

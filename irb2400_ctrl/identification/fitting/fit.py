@@ -63,7 +63,8 @@ def fit(model: Model, parts: Sequence[Recording]) -> Fit:
         "power": cache(lambda: moments(model, whole, faster_half(parts)).summed()),
         "load": cache(lambda: moments(model, whole, heavier_half(model, whole, parts)).summed()),
     }
-    chosen = Choice(bare, sums.gathered(FOLDS), beyond, prior, whole).extras()
+    choice = Choice(bare, sums.gathered(FOLDS), beyond, prior, whole)
+    chosen = choice.extras()
     found = of(chosen) if chosen else bare
     for _ in range(REFINED):
         moved = dict(zip(chosen, refined(model, parts, found), strict=True))
@@ -78,7 +79,7 @@ def fit(model: Model, parts: Sequence[Recording]) -> Fit:
     if len(unread):
         read = of((*chosen, *(readings[j] for j in unread)))
         found = read if _more_probable(read, found) else found
-    return _settled(model, parts, found)
+    return replace(_settled(model, parts, found), instead=choice.instead_of_bodies())
 
 
 def _fitted_to(model: Model, parts: Sequence[Recording], layout: ColumnLayout) -> Fit:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from irb2400_ctrl.arrays import Array
-from irb2400_ctrl.identification.fitting.columns import ColumnLayout
+from irb2400_ctrl.identification.fitting.columns import ColumnLayout, Extra
 from irb2400_ctrl.identification.fitting.estimate import Estimate
 from irb2400_ctrl.identification.fitting.moments import Moments
 from irb2400_ctrl.identification.fitting.prior import Prior
@@ -21,6 +21,7 @@ class Fit:
         correlation: samples per independent one, of each joint, shape (n,).
         free: numbers when the file hardly counts, and the torque that they leave.
         samples: the same of samples that are not weighted, no joint surer than the mean of all.
+        instead: what would leave the file's bodies as they are (`Choice.instead_of_bodies`).
     """
 
     layout: ColumnLayout
@@ -31,6 +32,7 @@ class Fit:
     correlation: Array
     free: Estimate
     samples: Array
+    instead: tuple[Extra, ...] = ()
 
     @property
     def theta(self) -> Array:

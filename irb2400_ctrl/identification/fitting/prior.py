@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from irb2400_ctrl.arrays import Array, Integers
+from irb2400_ctrl.arrays import Array, Integers, Mask
 from irb2400_ctrl.diagnosis.preparation.base_prior import (
     body_spread,
     named_bodies,
@@ -37,6 +37,11 @@ LIKE_DRY = 1.0
 only their sum, and what is all viscous there is many times a drive's torque at full speed"""
 GEAR_LOSS = 0.05
 """dry friction over the torque that a gear carries [-]"""
+FAR = 10.0
+"""standard deviations of a mass, and"""
+FACTOR = 5.0
+"""factor, beyond both of which it is absurd even where the logs leave it open: what the fit takes
+so far away has a cause, if not that body"""
 ZERO_OFF = 0.5
 """[rad] a zero that is not the file's"""
 
@@ -64,6 +69,14 @@ class Prior:
         rest = np.arange(10 * n, len(self.mean))
         found[rest, rest] = 1.0 / self.drives
         return found
+
+    def absurd(self, theta: Array) -> Mask:
+        """Links whose masses are more than `FAR` and `FACTOR` from the file's, shape (n,)."""
+        n = len(self.bodies)
+        before, after = (of[: 10 * n : 10] for of in (self.mean, theta))
+        spread = np.sqrt(np.linalg.inv(self.bodies)[:, 0, 0])
+        little, much = (end(before, after) for end in (np.minimum, np.maximum))
+        return np.asarray((np.abs(after - before) > FAR * spread) & (much > FACTOR * little))
 
     def part(self, columns: Integers) -> Prior:
         """Of a layout that lacks some of the drives' columns."""
