@@ -136,6 +136,6 @@ def _without_bodies(prior: AnyPrior, fitter: Fitter) -> Array:
     n = prior.robot.n
     if isinstance(prior, IdentifiedPrior):
         root = np.array(prior.root)
-        root[: len(root) - 5 * n] = 0.0
+        root[: prior.drives.start - 3 * n] = 0.0
         return replace(prior, root=root).columns(fitter.bases.model, fitter.motion)
     return prior.columns(fitter.bases.model, fitter.motion)[:, :, -3 * n :]

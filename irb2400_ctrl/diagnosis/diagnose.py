@@ -36,6 +36,7 @@ from irb2400_ctrl.diagnosis.preparation.doubtful_accelerations import doubtful_a
 from irb2400_ctrl.diagnosis.preparation.identified_prior import AnyPrior, IdentifiedPrior
 from irb2400_ctrl.diagnosis.preparation.metrics import errors, noise_floor
 from irb2400_ctrl.diagnosis.preparation.noise_test import noise_test
+from irb2400_ctrl.diagnosis.preparation.open_shapes import OpenShapes
 from irb2400_ctrl.diagnosis.preparation.plain_numbers import PlainNumbers
 from irb2400_ctrl.diagnosis.preparation.resting import Resting
 from irb2400_ctrl.diagnosis.preparation.room import check_room
@@ -131,6 +132,8 @@ def _searched(
     check_room(motion)
     bases = _bases(robot.bare())
     prior = prior_of(robot, uncertainty or robot.uncertainty, motion)
+    if isinstance(prior, IdentifiedPrior):
+        prior = prior.beside(OpenShapes.of(bases, robot, motion))
     numbers_of_robot = prior.columns(bases.model, motion)
     doubtful = doubtful_accelerations(bases.model, logs.used, motion)
     load = bases.model.inverse_dynamics(motion.q, motion.qd, motion.qdd, friction=False)

@@ -8,10 +8,11 @@ of a data sheet. Offsets and rotors belong to that base too. What differs from d
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
+from scipy.linalg import block_diag
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.diagnosis.preparation.base_prior import (
@@ -20,6 +21,7 @@ from irb2400_ctrl.diagnosis.preparation.base_prior import (
     named_bodies,
     parameter_slope,
 )
+from irb2400_ctrl.diagnosis.preparation.open_shapes import OpenShapes
 from irb2400_ctrl.effects import LIBRARY, Effect
 from irb2400_ctrl.effects.acceleration_reading import AccelerationReading
 from irb2400_ctrl.measurement.prepared_log import PreparedLog
@@ -41,14 +43,16 @@ class IdentifiedPrior:
 
     Args:
         base: columns and units of bodies and friction.
-        root: numbers per unit normal, shape (k + 2 n, k + 2 n): the k of `base` in its standard
-            deviations, then offsets [Nm] and rotors [kg m2].
+        root: numbers per unit normal, shape (k + 2 n + s, k + 2 n + s): the k of `base` in its
+            standard deviations, then offsets [Nm] and rotors [kg m2], then s of `shapes`.
         known: the same without what changes from day to day.
+        shapes: what is left open of the shapes of effects; None for nothing.
     """
 
     base: BasePrior
     root: Array
     known: Array
+    shapes: OpenShapes | None = None
 
     @classmethod
     def of(cls, robot: Robot, uncertainty: Uncertainty, motion: PreparedLog) -> IdentifiedPrior:
@@ -66,23 +70,37 @@ class IdentifiedPrior:
         daily[k : k + n] = DAILY_OFFSET * base.torque_scale
         return cls(base, _square(np.hstack([L, np.diag(daily)])), _square(L))
 
+    def beside(self, shapes: OpenShapes) -> IdentifiedPrior:
+        """The same with what is left open of the shapes of effects along the motion."""
+        more = np.eye(shapes.count)
+        root, known = (block_diag(one, more) for one in (self.root, self.known))
+        return replace(self, root=root, known=known, shapes=shapes)
+
     @property
     def robot(self) -> Robot:
         """The robot as given."""
         return self.base.robot
+
+    @property
+    def drives(self) -> slice:
+        """Places of offsets and rotors."""
+        after = len(self.root) - (0 if self.shapes is None else self.shapes.count)
+        return slice(after - 2 * self.robot.n, after)
 
     def dry_friction(self) -> Array:
         """As `BasePrior.dry_friction`."""
         return self.base.dry_friction()
 
     def columns(self, model: Model, motion: PreparedLog) -> Array:
-        """d tau / d z along the motion, shape (m, n, k + 2 n) [Nm]."""
+        """d tau / d z along the motion, shape (m, n, k + 2 n + s) [Nm]."""
         n = self.robot.n
         parts = [self.base.number_columns(model, motion)]
         for signal in (np.ones_like(motion.qd), motion.qdd):
             placed = np.zeros((*signal.shape, n))
             placed[:, np.arange(n), np.arange(n)] = signal
             parts.append(placed)
+        if self.shapes is not None:
+            parts.append(self.shapes.columns)
         return np.asarray(np.concatenate(parts, axis=2) @ self.root)
 
     def deviations(self, z: Array) -> Array:
@@ -91,16 +109,18 @@ class IdentifiedPrior:
 
     def lifted(self, deviations: Array, qd: Array) -> Array:
         """As `BasePrior.lifted`."""
-        return self.base.lifted(deviations[: len(deviations) - 2 * self.robot.n], qd)
+        return self.base.lifted(deviations[: self.drives.start], qd)
 
     def updated(self, deviations: Array) -> Robot:
-        """The robot with these deviations in its links, friction, offsets and rotors."""
+        """The robot with these deviations in its links, friction, offsets, rotors and shapes."""
         n = self.robot.n
-        k = len(self.root) - 2 * n
-        drives = deviations[k:].reshape(2, n)
-        updated = self.base.updated(deviations[:k])
-        effects = list(updated.effects)
-        for (kind, field), change in zip(DRIVE_EFFECTS.items(), drives, strict=True):
+        place = self.drives
+        offsets_and_rotors = deviations[place].reshape(2, n)
+        updated = self.base.updated(deviations[: place.start])
+        effects: list[Any] = list(updated.effects)
+        if self.shapes is not None:
+            effects = self.shapes.written(effects, deviations[place.stop :])
+        for (kind, field), change in zip(DRIVE_EFFECTS.items(), offsets_and_rotors, strict=True):
             for j in range(n):
                 effects = _shifted(effects, kind, field, j + 1, float(change[j]))
         return updated.model_copy(update={"effects": tuple(effects)})
