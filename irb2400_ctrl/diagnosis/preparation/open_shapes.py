@@ -38,7 +38,12 @@ class OpenShapes:
 
     @classmethod
     def of(cls, bases: Bases, robot: Robot, motion: PreparedLog) -> OpenShapes:
-        """Those of a robot's effects along a motion."""
+        """Those of a robot's effects along a motion.
+
+        Args:
+            bases: of its bare arm; robot: with its effects.
+            motion: of the log.
+        """
         places = [
             place
             for place, effect in enumerate(robot.effects)
