@@ -104,7 +104,9 @@ def _beside_what_differs(nominal: Nominal, log: Log, rows: Rows) -> Understandin
     if nominal.balanced and not sound(found.labelled, robot.n):
         # a gas spring loses its pressure: no column is wrong that fits with another strength
         freed = nominal.with_free_balancers()
-        if sound(freed.explained(rows, freed.columns(rows)), robot.n):
+        fit = freed.explained(rows, freed.columns(rows))
+        clearly = found.labelled.cost - fit.cost >= MARGIN * robot.n / 6.0
+        if clearly and sound(fit, robot.n):
             joints = " and ".join(f"joint {j + 1}" for j in nominal.balanced)
             said = OTHER_STRENGTH.format(joints=joints)
             return replace(_understood(freed, log, rows), although=said)
