@@ -28,8 +28,8 @@ BUILT_UP = 0.3
 really stick leave 0.6 to 1.0, a hysteresis on the independent plant 0.02 to 0.07)"""
 STICKS = 0.5
 """share of the squared residual near noisy reversals from which on a hysteresis, beside all else
-that is found, has followed how a joint sticks: three false ones left 0.56 to 1.13, of 17 true ones
-16 at most 0.28 and one 0.41"""
+that is found, has followed how a joint sticks: three false ones left 0.56 to 1.13, of 13 true ones
+twelve at most 0.28 and one 0.41"""
 ONE_REVERSAL = 10
 """rows, of one or two reversals: too few to tell what builds up over an angle from what sticks"""
 LEAST_CALM = 50
