@@ -89,10 +89,13 @@ def test_a_file_that_was_never_identified_is_said_to_be_one() -> None:
     """Errors of 100 % with a maker's URDF were printed without a word."""
     arm = irb.load_robot("irb2400")
     (said,) = of_the_file(arm.with_unknown_friction(range(1, 7)), arm)
-    assert said.startswith("this file was never identified: what it leaves beyond noise, of joint ")
+    assert said.startswith("this file was never identified: what it leaves beyond noise, ")
     assert "It states no friction of joints 1, 2, 3, 4, 5 and 6." in said
     assert "`irb2400 identify LOG... --robot FILE`" in said
     assert not of_the_file(arm, arm)
+    for load, percent in ((3.0, ""), (4.0, "11 % of the mean torque of joint 3")):
+        loaded = arm.with_effects(LIBRARY["payload"].of(None, mass_kg=load))
+        assert [percent in one for one in of_the_file(arm, loaded)] == [True] * bool(percent)
     assert not of_the_file(robot(), arm.with_effects(LIBRARY["payload"].of(None, mass_kg=4.0)))
 
 

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from irb2400_ctrl.measurement import Log
+from irb2400_ctrl.measurement.motion import standstill
 from irb2400_ctrl.measurement.prepared_log import prepare
 
 TIME = np.arange(0.0, 12.0, 0.004)
@@ -25,6 +26,13 @@ def slowly(chatter: np.ndarray) -> np.ndarray:
     tau[chatter, 0] += 8.0 * draw.choice([-1.0, 1.0], chatter.sum())
     motion = prepare(Log(TIME, np.outer(0.05 * TIME, np.ones(6)), tau, name="drawn"))
     return np.column_stack([motion.time, motion.known[:, 0]])
+
+
+def test_a_joint_turns_at_the_sample_before_it_goes_back() -> None:
+    speed = np.array([[0.5, 0.5], [0.2, 0.5], [-0.2, 1e-6], [-0.5, 0.5]])
+    told = standstill.turning(speed)
+    assert told[:, 0].tolist() == [False, True, False, False]
+    assert told[:, 1].tolist() == [False, False, True, False]
 
 
 def test_a_short_burst_stays_known() -> None:

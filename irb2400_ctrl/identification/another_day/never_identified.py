@@ -35,8 +35,8 @@ def never_identified(robot: Robot, motion: PreparedLog, modelled: Array) -> tupl
     unstated = [j + 1 for j in range(robot.n) if not robot.friction_stated[j, 1:3].any()]
     friction = f" It states no friction of {numbered('joint', unstated)}." if unstated else ""
     return (
-        "this file was never identified: what it leaves beyond noise, of joint "
-        f"{worst + 1} {beyond[worst]:.0f} % of the mean torque, is the file's as much as the arm's."
-        f"{friction} `irb2400 identify LOG... --robot FILE` makes one that is true of this arm, of "
-        "logs of it sound",
+        f"this file was never identified: what it leaves beyond noise, {beyond[worst]:.0f} % of "
+        f"the mean torque of joint {worst + 1}, is the file's as much as the arm's.{friction} "
+        "`irb2400 identify LOG... --robot FILE` makes one that is true of this arm, of logs of it "
+        "sound",
     )
