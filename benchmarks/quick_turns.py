@@ -61,6 +61,8 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=None)
     parser.add_argument("--suites", default="clean,single,pairs")
     args = parser.parse_args()
+    if not args.logs and args.seed is None:
+        parser.error("found neither logs nor a seed, expected LOG... or --seed S")
     files: Iterator[tuple[str, set[int], Log]] = ((p, set(), read_log(p)) for p in args.logs)
     read = files if args.logs else arms(args.seed, args.suites.split(","))
     others = [1.0]

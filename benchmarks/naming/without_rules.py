@@ -142,17 +142,16 @@ def differences(lines: list[dict[str, Any]]) -> str:
     rule: on how many it acts."""
     arms = [x for x in lines if "without" in x]
     said = []
+    counts = []
     for rule in RULES:
         acts = [x for x in arms if rule in x["without"]]
         other = [x for x in acts if x["without"][rule] != _told(x)]
         for x in other:
             there = [(t["kind"], t["joint"]) for t in x["truth"]]
             said.append(f"{rule} {x['case']}: {there}: {_told(x)} -> {x['without'][rule]}")
-    for rule in RULES:
-        acts = [x for x in arms if rule in x["without"]]
-        other = [x for x in acts if x["without"][rule] != _told(x)]
-        said.append(f"{rule}: acts on {len(acts)} of {len(arms)} arms, other names on {len(other)}")
-    return "\n".join(said)
+        on = f"acts on {len(acts)} of {len(arms)} arms, other names on {len(other)}"
+        counts.append(f"{rule}: {on}")
+    return "\n".join([*said, *counts])
 
 
 def _told(line: dict[str, Any]) -> list[str]:

@@ -93,12 +93,16 @@ def clearly_better(
     return gain > max(MARGIN, SHARE * other.cost) and bool(hidden or less or other.price > BEYOND)
 
 
+def gains_clearly(one: Fit, other: Fit) -> bool:
+    """Whether one account costs less than another by more than chance, of an arm of n joints."""
+    return other.cost - one.cost >= MARGIN * len(one.left) / 6.0
+
+
 def explained_beside(found: Fit, best: Fit) -> bool:
     """Whether a log as labelled is explained beside something that the file does not state, and
     clearly better than by the best other reading."""
-    scale = len(found.left) / 6.0
-    explained = found.price < FITS_PRICE * scale and bool(found.left.max() < SOUND_LEFT)
-    return explained and best.cost - found.cost >= MARGIN * scale
+    cheap = found.price < FITS_PRICE * len(found.left) / 6.0
+    return cheap and bool(found.left.max() < SOUND_LEFT) and gains_clearly(found, best)
 
 
 def for_one_joint(one: Fit, other: Fit) -> bool:

@@ -15,6 +15,7 @@ from irb2400_ctrl.plausibility.criteria import (
     MARGIN,
     PUSHED,
     clearly_better,
+    gains_clearly,
     lost,
     nearly,
     only_one_off,
@@ -105,8 +106,7 @@ def _beside_what_differs(nominal: Nominal, log: Log, rows: Rows) -> Understandin
         # a gas spring loses its pressure: no column is wrong that fits with another strength
         freed = nominal.with_free_balancers()
         fit = freed.explained(rows, freed.columns(rows))
-        clearly = found.labelled.cost - fit.cost >= MARGIN * robot.n / 6.0
-        if clearly and sound(fit, robot.n):
+        if gains_clearly(fit, found.labelled) and sound(fit, robot.n):
             joints = " and ".join(f"joint {j + 1}" for j in nominal.balanced)
             said = OTHER_STRENGTH.format(joints=joints)
             return replace(_understood(freed, log, rows), although=said)
@@ -121,7 +121,7 @@ def _beside_what_differs(nominal: Nominal, log: Log, rows: Rows) -> Understandin
     # many files state a friction to please a simulator: no column is wrong that fits without it
     every = range(1, robot.n + 1)
     free = _understood(nominal.with_unknown_friction(every), log, rows)
-    if found.best.cost - free.best.cost < MARGIN * robot.n / 6.0:
+    if not gains_clearly(free.best, found.best):
         return found
     off = _contradicted(nominal, log, rows, free)
     return replace(free, other_friction=off) if off else found

@@ -49,6 +49,15 @@ def errors(measured: Array, predicted: Array, known: Mask) -> Errors:
     return Errors(mae, rmse, percent)
 
 
+def beyond_noise(error: Array, floor: Array) -> Array:
+    """Rms of what is left beside noise: sqrt(error^2 - floor^2), nothing where that is negative.
+
+    Args:
+        error: rms left [Nm]; floor: of it, the noise [Nm]; of one shape.
+    """
+    return np.sqrt(np.maximum(error**2 - floor**2, 0.0))
+
+
 def noise_floor(residual: Array, known: Mask, step: float) -> Array:
     """Rms of the torque noise per joint, shape (n,) [Nm]: what would be left if the model were
     perfect.

@@ -6,7 +6,7 @@ from __future__ import annotations
 import numpy as np
 
 from irb2400_ctrl.arrays import Array
-from irb2400_ctrl.diagnosis.preparation.metrics import errors, noise_floor
+from irb2400_ctrl.diagnosis.preparation.metrics import beyond_noise, errors, noise_floor
 from irb2400_ctrl.identification.another_day.otherwise import BEYOND
 from irb2400_ctrl.measurement.prepared_log import PreparedLog
 from irb2400_ctrl.robot import Robot
@@ -26,8 +26,8 @@ def never_identified(robot: Robot, motion: PreparedLog, modelled: Array) -> tupl
         return ()
     found = errors(motion.tau, modelled, motion.known)
     floor = noise_floor(motion.tau - modelled, motion.known, motion.step)
-    percent = found.rmse_over_mean_percent
-    beyond = percent * np.sqrt(np.maximum(1.0 - (floor / np.maximum(found.rmse, 1e-12)) ** 2, 0.0))
+    share = beyond_noise(found.rmse, floor) / np.maximum(found.rmse, 1e-12)
+    beyond = found.rmse_over_mean_percent * share
     far = np.flatnonzero((beyond > 100.0 * LITTLE) & (found.rmse > BEYOND * floor))
     if not len(far):
         return ()

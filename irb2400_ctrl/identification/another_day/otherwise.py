@@ -13,7 +13,7 @@ from irb2400_ctrl.arrays import Array, rms
 from irb2400_ctrl.diagnosis.comparison.possible import within_reach
 from irb2400_ctrl.diagnosis.diagnosis import NEVER_NOISE
 from irb2400_ctrl.diagnosis.friction_test import friction_along
-from irb2400_ctrl.diagnosis.preparation.metrics import errors, noise_floor
+from irb2400_ctrl.diagnosis.preparation.metrics import beyond_noise, errors, noise_floor
 from irb2400_ctrl.diagnosis.regressors.bases import Bases
 from irb2400_ctrl.effects import LIBRARY
 from irb2400_ctrl.effects.added_body import AddedBody
@@ -46,7 +46,7 @@ def otherwise(robot: Robot, motion: PreparedLog, modelled: Array) -> tuple[str, 
     bases = Bases(robot.bare())
     friction = rms(friction_along(robot, bases, motion))
     usual = np.hypot(robot.usually_left, FRICTION_OF_A_DAY * friction)
-    beyond = np.sqrt(np.maximum(rmse**2 - floor**2, 0.0))
+    beyond = beyond_noise(rmse, floor)
     far = np.flatnonzero((beyond > NEVER_NOISE * usual) & (rmse > BEYOND * floor))
     if not len(far):
         return ()

@@ -15,7 +15,7 @@ import numpy as np
 from irb2400_ctrl.arrays import Array, Mask
 from irb2400_ctrl.diagnosis import Diagnosis, Number
 from irb2400_ctrl.diagnosis.numbers import FRICTION, RATIO
-from irb2400_ctrl.diagnosis.preparation.metrics import noise_floor
+from irb2400_ctrl.diagnosis.preparation.metrics import beyond_noise, noise_floor
 from irb2400_ctrl.identification.identification import Identification
 
 WORSE = 1.3
@@ -40,7 +40,7 @@ def unseen_error(known: Identification, floor: Array | None = None) -> Array:
         if floor is not None:
             step = float(np.median(np.diff(log.time)))
             then = noise_floor(log.measured - log.fitted, log.known, step)
-            unseen = np.hypot(unseen, _beyond(floor, then))
+            unseen = np.hypot(unseen, beyond_noise(floor, then))
         each.append(unseen)
     return np.asarray(np.max(each, axis=0))
 
@@ -53,8 +53,8 @@ def worse_joints(error: Array, floor: Array, before: Diagnosis, unseen: Array) -
             error on unseen stretches.
     """
     least = LEAST * before.least_floor
-    usual = np.maximum(_beyond(unseen, before.least_floor), least)
-    return np.asarray(_beyond(error, floor) > WORSE * usual)
+    usual = np.maximum(beyond_noise(unseen, before.least_floor), least)
+    return np.asarray(beyond_noise(error, floor) > WORSE * usual)
 
 
 def simplest(
@@ -89,7 +89,3 @@ def has_changed(number: Number, worse: Mask, told: Collection[str] = ()) -> bool
         return True
     where, _, place = number.place.partition(" ")
     return bool(worse[int(place) - 1]) if where == "joint" else bool(worse.any())
-
-
-def _beyond(error: Array, floor: Array) -> Array:
-    return np.sqrt(np.maximum(error**2 - floor**2, 0.0))
