@@ -1,4 +1,5 @@
-"""Module names of version 0.1 still lead to the same objects, and say what they are called now."""
+"""Module names of version 0.1 still lead to the same objects, and say what they are called now; a
+field without an effect says so."""
 
 from __future__ import annotations
 
@@ -9,6 +10,7 @@ import pytest
 from test_promises import run
 
 from irb2400_ctrl._renamed import PACKAGE, RENAMED
+from irb2400_ctrl.effects import Search
 
 
 @pytest.mark.parametrize("old", sorted(RENAMED))
@@ -42,3 +44,9 @@ for old in RENAMED:
 print(*sorted(both))
 """
     assert run(code).split() == ["close_loop", "path_dynamics", "read_path"]
+
+
+def test_a_search_that_asks_for_what_has_no_effect_is_told_so() -> None:
+    with pytest.warns(DeprecationWarning, match="shows_moving=True") as told:
+        Search(shows_moving=True)
+    assert [warning.filename for warning in told] == [__file__]

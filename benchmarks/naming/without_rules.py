@@ -46,7 +46,6 @@ RULES: dict[str, tuple[Put, ...]] = {
     "doubted": ((SELECTION, "_doubted", lambda *_: False),),
     "lags_on_a_spring": ((GROUND, "lags_on_a_spring", lambda *_: False),),
     "first_of_two": ((SELECTION, "_first_of_two", lambda _, ground, law, every: law),),
-    "shows_moving": ((THRESHOLD, "_shows_moving", lambda *_: True),),
     "said_by_less": ((THRESHOLD, "said_by_less", lambda *_: False),),
     "once": ((THRESHOLD, "_once", lambda *_: False),),
     "new": ((THRESHOLD, "_new", lambda self, *_: np.ones(self.n, dtype=bool)),),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from dataclasses import dataclass
 
 
@@ -20,8 +21,7 @@ class Search:
         in_diagnosis: a diagnosis tries it; what `identify` fits with the base is left out there.
         usual: every robot has it, and most files leave it out: a number that the file lacks, no
             peculiarity of this arm.
-        shows_moving: a log must show it away from reversals too, where dry friction is hard to
-            predict.
+        shows_moving: has no effect any more, and goes with version 0.4.
         nothing_at_turns: its torque passes through nothing where the joint turns.
         turns_over_in: its nonlinear parameter that is an angle behind a turn [rad]; a narrow one is
             what every contact does.
@@ -44,3 +44,9 @@ class Search:
     rattles: bool = False
     at_usual_load: str = ""
     beside: str = ""
+
+    def __post_init__(self) -> None:
+        """Warn of what is asked for in vain."""
+        if self.shows_moving:
+            said = "Search(shows_moving=True) has no effect any more; leave it out"
+            warnings.warn(said, DeprecationWarning, stacklevel=3)

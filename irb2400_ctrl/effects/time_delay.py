@@ -13,7 +13,6 @@ from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.effects.ambiguity import DELAY, Ambiguity
 from irb2400_ctrl.effects.base import Acts, Effect, Link
 from irb2400_ctrl.effects.drawing import Drawing
-from irb2400_ctrl.effects.search import Search
 from irb2400_ctrl.effects.signals import Signals
 
 
@@ -41,7 +40,6 @@ class TimeDelay(Effect):
     sentence: ClassVar[str] = "torque and position of the joint are recorded at different times"
     example: ClassVar[Mapping[str, Any]] = {"delay_s": 0.004}
     ambiguity: ClassVar[Ambiguity] = DELAY
-    search: ClassVar[Search] = Search(shows_moving=True)
     drawing: ClassVar[Drawing] = Drawing("time")
 
     kind: Literal["time_delay"] = "time_delay"

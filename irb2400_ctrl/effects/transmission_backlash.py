@@ -52,7 +52,7 @@ class TransmissionBacklash(Effect):
     }
     ambiguity: ClassVar[Ambiguity] = POSITION_ERROR
     prior: ClassVar[Prior] = Prior(discrepancy_share=0.5)
-    search: ClassVar[Search] = Search(device="transmission", rattles=True, shows_moving=True)
+    search: ClassVar[Search] = Search(device="transmission", rattles=True)
     drawing: ClassVar[Drawing] = Drawing("load")
     states: ClassVar[tuple[str, ...]] = ("side", "rate")
 

@@ -32,7 +32,6 @@ SEARCH = {
     "on_every_joint": "all joints at once are tried too",
     "comes_and_goes": "it may come and go within a record",
     "usual": "every robot has it and most files leave it out",
-    "shows_moving": "a diagnosis names it only where it shows away from reversals too",
     "nothing_at_turns": "told from a constant torque by the turns of the joint, where it passes "
     "through nothing",
     "turns_over_in": "a diagnosis names it only where it is wider than what contacts hold over, "

@@ -23,14 +23,10 @@ def candidate(size: Any = (0.0, 5.0, 0.0), **given: Any) -> Any:
     """An offset on joint 2 of three with these rms torques [Nm]."""
     gain = given.pop("gain", 100.0)
     stops = given.pop("stops", ())
-    moving = given.pop("moving", False)
     effect = SimpleNamespace(
         windows_s=[(0.0, stop) for stop in stops],
         chain=given.pop("chain", "torque"),
-        search=SimpleNamespace(
-            shows_moving=moving,
-            repeats=given.pop("repeats", False),
-        ),
+        search=SimpleNamespace(repeats=given.pop("repeats", False)),
     )
     usual: dict[str, Any] = {
         "kind": "torque_offset", "joint": 2, "known": True, "devices": frozenset(), "begins": (),
@@ -51,7 +47,6 @@ def alternative(
 def comparison(**given: Any) -> Any:
     usual: dict[str, Any] = {
         "gain": lambda one: one.evidence - BASE,
-        "moving": lambda one: (100.0, 1.0),
         "energy": np.full(3, 80.0),  # the twentieth of it is 2 Nm squared
         "share_beyond_base": lambda one: 1.0,
         "elsewhere": lambda one: 1.0,
@@ -100,18 +95,6 @@ def test_a_torque_that_another_one_must_cancel_is_refused(
     assert not accepts(candidate((30.1, 5.0, 0.0)), judge=judge)
 
 
-def test_what_shows_in_motion_gains_a_fifth_there() -> None:
-    def with_gain(moving: float, of: bool = True, gain: float = 100.0) -> bool:
-        return accepts(candidate(moving=of), gain=gain, moving=lambda one: (moving, 1.0))
-
-    assert with_gain(20.0)
-    assert not with_gain(19.9)
-    assert with_gain(0.0, of=False)
-    # of a friction that turns over a fifth may be more than any name needs
-    assert with_gain(22.0, gain=1e4)
-    assert not with_gain(21.9, gain=1e4)
-
-
 def test_a_law_is_told_on_the_joint_of_whose_torque_it_is_the_most() -> None:
     unlike: Any = SimpleNamespace(
         n=3, tau=ROWS[:, None] * np.array([90.0, 20.0, 6.0]), filtered_reading=lambda values: values
@@ -119,37 +102,6 @@ def test_a_law_is_told_on_the_joint_of_whose_torque_it_is_the_most() -> None:
     told = Threshold(Criteria(), unlike, [0.0 * ROWS[:, None] * np.ones(3)])  # type: ignore[arg-type]
     assert told.most_on(candidate((9.0, 5.0, 1.0))) == 2
     assert told.most_on(candidate((9.0, 1.0, 1.0))) == 3
-
-
-@pytest.mark.parametrize(
-    ("size", "same"), [(0.72, True), (0.71, False), (1.39, True), (1.41, False)]
-)
-def test_what_shows_in_motion_is_as_large_there(size: float, same: bool) -> None:
-    """A delay that friction alone shows, which turns over at reversals, has another size elsewhere:
-    0.1 to 0.6 of it, or 1.5 to 2.6; of 20 delays that were there 0.8 to 1.2."""
-    assert accepts(candidate(moving=True), moving=lambda one: (99.0, size)) == same
-    assert accepts(candidate(), moving=lambda one: (99.0, size))
-
-
-def test_beside_a_delay_everything_shows_in_motion() -> None:
-    """What is late is smeared as well, which shows where friction turns over."""
-    late = candidate((8.0, 0.0, 0.0), chain="clock")
-
-    def with_gain(moving: float, *chosen: Any) -> bool:
-        return accepts(candidate(), *chosen, moving=lambda one: (moving, 0.1))
-
-    assert with_gain(20.0, late)
-    assert not with_gain(19.9, late)
-    assert with_gain(0.0, candidate((8.0, 0.0, 0.0)))
-
-    # or as much as it would need by itself, here 11 nats and what the delay may leave: 21 nats of
-    # a change of dry friction were one too few
-    def of_base(moving: float) -> bool:
-        given = {"moving": lambda one: (moving, 1.0), "share_beyond_base": lambda one: 0.01}
-        return accepts(candidate(), candidate((8.0, 0.0, 0.0), gain=1.0, chain="clock"), **given)
-
-    assert of_base(11.5)
-    assert not of_base(10.9)
 
 
 def test_beside_flexible_columns_of_what_an_earlier_law_leaves_evidence_alone_speaks() -> None:

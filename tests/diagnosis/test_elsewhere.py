@@ -12,7 +12,6 @@ import pytest
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.diagnosis.comparison.comparison import StepComparison
 from irb2400_ctrl.diagnosis.preparation.noise import NoiseModel
-from irb2400_ctrl.diagnosis.regressors.bases import RegressorColumns
 
 RATE = 50
 TIME = np.arange(6 * RATE) / RATE
@@ -63,16 +62,3 @@ def test_what_shows_at_turns_above_all_shows_in_all_of_them() -> None:
     law = np.where(turning, 1.0, 0.2) * THROUGHOUT
     whole = turning | (np.floor(TIME) == 4)
     assert shown(np.where(whole, law, 0.4 * law), law, turning=turning) > 0.8
-
-
-@pytest.mark.parametrize(("moving", "size"), [(1.0, 1.0), (0.3, 0.3), (0.0, 0.0), (2.5, 2.5)])
-def test_how_large_a_law_is_where_the_joint_moves(moving: float, size: float) -> None:
-    turning = TIME % 0.5 < 0.1
-    law = np.where(turning, 1.0, 0.4) * THROUGHOUT
-    comparison = judge(np.where(turning, law, moving * law), turning)
-    columns = RegressorColumns((0,), law[:, None, None])
-    told: Any = SimpleNamespace(coefficients=np.ones(1))
-    candidate: Any = SimpleNamespace(law=columns, score=told, expected=())
-    gain, found = comparison.moving(candidate)
-    assert found == pytest.approx(size, rel=0.06, abs=0.02)
-    assert (gain > 50.0) == (moving > 0.0)

@@ -15,7 +15,7 @@ from irb2400_ctrl.diagnosis.comparison.polish import polished
 from irb2400_ctrl.diagnosis.comparison.scan import Scan
 from irb2400_ctrl.diagnosis.estimation.candidate import Candidate
 from irb2400_ctrl.diagnosis.estimation.evidence import Problem, discrepancy_shares
-from irb2400_ctrl.diagnosis.preparation.noise import NoiseModel, without
+from irb2400_ctrl.diagnosis.preparation.noise import NoiseModel
 from irb2400_ctrl.diagnosis.regressors.predict import effect_torque
 
 RELIEVED = 0.5
@@ -165,20 +165,6 @@ class StepComparison:
         z = self.base.z
         beside = self.base.base_beside(candidate.torque(self.n))
         return bool(beside @ beside < RELIEVED * (z @ z))
-
-    def moving(self, candidate: Candidate) -> tuple[float, float]:
-        """What its law gains on the rows away from reversals alone [nats], and how large these find
-        it: over what all rows say."""
-        calm = [without(one, self.noise.reversal[:, j]) for j, one in enumerate(self.base.noise)]
-        score = self.start.under(calm).score(candidate.law, expected=candidate.expected)
-        here, whole = (
-            np.concatenate([one.whiten(tau[:, j]) for j, one in enumerate(calm)])
-            for tau in (
-                candidate.law.torque(found.coefficients, self.n)
-                for found in (score, candidate.score)
-            )
-        )
-        return score.gain, float(here @ whole / max(whole @ whole, 1e-12))
 
     def elsewhere(self, candidate: Candidate) -> float:
         """Share of what a candidate takes off the whitened squares that it takes off outside its

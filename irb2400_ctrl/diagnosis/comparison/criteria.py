@@ -44,8 +44,6 @@ class Criteria:
         torque: its rms torque over the joint's (of a friction: `OwnFriction`); torque_beside_law:
             the same where its law alone gains less than `by_law` of what it gains with discrepancy.
         largest: its rms torque over the joint's, above which it only cancels another one.
-        moving: share of its gain, `gain` at most, that an effect of `Search.shows_moving` has away
-            from reversals; same_size: times larger or smaller at most that it is there.
         elsewhere: share of what it explains that lies outside the second in which it explains most,
             over the share of its torque there.
         two_at_once: how much more a non-parametric law may gain than the best effect, for two
@@ -74,8 +72,6 @@ class Criteria:
     torque_beside_law: float = 0.02
     by_law: float = 0.25
     largest: float = 1.5
-    moving: float = 0.2
-    same_size: float = 1.4
     elsewhere: float = 0.4
     two_at_once: float = 1.0
     unknown: float = 10.0
@@ -124,8 +120,7 @@ class Threshold:
             return False  # a torque that something else must cancel again
         if alternative.rattles:
             return True  # its quick part is most of it, and in no column
-        late = of_the_clock(comparison, candidate, self.criteria.gain)
-        if late or not self._shows_moving(comparison, alternative):
+        if of_the_clock(comparison, candidate, self.criteria.gain):
             return False
         matters = self.matters(comparison, alternative)
         if comparison.chosen and matters.any():
@@ -139,21 +134,6 @@ class Threshold:
     def most_on(self, candidate: Candidate) -> int:
         """The joint (from 1) of whose torque it is the largest share."""
         return int(np.argmax(self._size(candidate) / np.maximum(self.rms, 1e-12))) + 1
-
-    def _shows_moving(self, comparison: StepComparison, alternative: Alternative) -> bool:
-        """Whether rows away from reversals show it too, where they must, and as large: a misfit of
-        friction, which turns over at reversals, has another size there or none."""
-        c = self.criteria
-        must = any(e.search.shows_moving for e in alternative.candidate.effects)
-        # what comes late is smeared as well: that shows where friction turns over
-        smeared = any(e.chain == "clock" for earlier in comparison.chosen for e in earlier.effects)
-        if not must and not smeared:
-            return True
-        gain, size = comparison.moving(alternative.candidate)
-        enough = min(c.gain, self.least_gain(comparison, alternative))
-        if gain < min(c.moving * comparison.gain(alternative), enough):
-            return False
-        return not must or 1.0 / c.same_size < size < c.same_size
 
     def matters(self, comparison: StepComparison, alternative: Alternative) -> Mask:
         """Joints on which it is large enough, shape (n,)."""

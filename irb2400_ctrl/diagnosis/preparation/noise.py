@@ -65,12 +65,6 @@ class Noise:
         return out.reshape(-1, *columns.shape[1:])
 
 
-def without(noise: Noise, rows: Mask) -> Noise:
-    """The same noise where some rows do not count."""
-    stay = ~rows[noise.kept]
-    return Noise(noise.a, noise.weight[stay], noise.kept[stay])
-
-
 @dataclass(frozen=True)
 class NoiseModel:
     """What passes for noise of the filtered torques of a log.
