@@ -82,7 +82,7 @@ def test_looking_alike_is_mutual() -> None:
 def test_every_place_and_every_way_of_searching_has_words() -> None:
     assert set(effect_words.PLACES) == set(get_args(Acts))
     assert set(effect_words.CHAIN) == set(get_args(Link))
-    others = {"device", "in_diagnosis"}
+    others = {"device", "in_diagnosis", "shows_moving"}
     assert {*effect_words.SEARCH, *others} == {field.name for field in fields(Search)}
 
 
