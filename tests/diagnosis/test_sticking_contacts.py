@@ -128,14 +128,15 @@ def test_the_scan_and_the_base_follow_what_is_measured(of_arm: Contacts) -> None
     motion = prepare(log_of({}))
     scan = LogColumns(BASES, motion, load_of(motion), of_arm)
     columns = sticking_contacts(BASES, motion, np.arange(1.0, 7.0), of_arm)
-    columns = columns.reshape(-1, 6, 6, len(TURNED_OVER))
+    columns = columns.reshape(-1, 6, 6, 1 + len(TURNED_OVER))
     for joint in (5, 6):
         at = of_arm.at(joint)
         tried = [point["width_rad"] for point in scan.laws["hysteresis", joint][0]]
         every = [point["width_rad"] for point in Hysteresis.grid(joint)]
         assert tried == [width for width in every if width > BEYOND * at]
         assert 0 < len(tried) < len(every)
-        widths = [{"width_rad": times * at} for times in TURNED_OVER]
+        wider = [times * at for times in TURNED_OVER]
+        widths = [{"width_rad": width} for width in (of_arm.width, *wider)]
         laws = BASES.columns("hysteresis", joint, motion, widths, filtered=False)
         for k, law in enumerate(laws):
             expected = joint * law.values[:, 0].sum(axis=1)

@@ -15,22 +15,24 @@ from irb2400_ctrl.diagnosis.regressors.bases import Bases
 from irb2400_ctrl.measurement.prepared_log import PreparedLog
 
 TURNED_OVER = (1.5, 3.0)
-"""times the width of its contacts, over which the friction of a joint may turn over"""
+"""times the width of its contacts (at least a usual one), over which the friction of a joint may
+turn over; it may as well over that of the arm's"""
 
 
 def sticking_contacts(
     bases: Bases, motion: PreparedLog, friction: Array, contacts: Contacts
 ) -> Array:
-    """Columns F_j (z_jk - sgn qd_j) with z_jk of Dahl models as narrow as `TURNED_OVER`, shape
-    (m, n, n k), joint by joint [Nm].
+    """Columns F_j (z_jk - sgn qd_j) with z_jk of Dahl models as narrow as the contacts of the arm
+    and `TURNED_OVER`, shape (m, n, n k), joint by joint [Nm].
 
     Args:
         friction: dry friction F of each joint, or how much it may have, shape (n,) [Nm].
         contacts: over which angle the friction of this arm turns over.
     """
-    columns = np.zeros((len(motion.time), motion.n, motion.n, len(TURNED_OVER)))
+    columns = np.zeros((len(motion.time), motion.n, motion.n, 1 + len(TURNED_OVER)))
     for j in range(motion.n):
-        widths = [{"width_rad": times * contacts.at(j + 1)} for times in TURNED_OVER]
+        wider = [times * contacts.at(j + 1) for times in TURNED_OVER]
+        widths = [{"width_rad": width} for width in (contacts.width, *wider)]
         for k, law in enumerate(bases.columns("hysteresis", j + 1, motion, widths, filtered=False)):
             columns[:, j, j, k] = friction[j] * law.values[:, 0].sum(axis=1)
     return columns.reshape(len(motion.time), motion.n, -1)
