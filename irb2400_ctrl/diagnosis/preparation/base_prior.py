@@ -154,11 +154,14 @@ class BasePrior:
     def together(self, deviations: Array) -> Array:
         """Part of each deviation that is a friction of all joints at another level, shape (k,).
 
-        Of d = own + c t with own and c standard normal, c is expected to be t d / (1 + t t).
+        Of d = own + c t the level c is the weighted median, of the least sum |own|: a joint whose
+        friction is another does not move it, where it would the mean.
         """
         found = np.zeros(len(deviations))
         for place, t in self._levels:
-            found[place] = t * (t @ deviations[place]) / (1.0 + t @ t)
+            known = t > 0.0
+            if known.any():
+                found[place] = t * _median(deviations[place][known] / t[known], t[known])
         return found
 
     def columns(self, model: Model, motion: PreparedLog) -> Array:
@@ -282,6 +285,13 @@ class BasePrior:
             update={"links": tuple(links), "joints": tuple(joints), "tool": tool}
         )
         return self._motors.updated(found, coulomb, viscous)
+
+
+def _median(values: Array, weights: Array) -> float:
+    """Weighted median of values (k,): half of the weight on either side."""
+    order = np.argsort(values)
+    before = np.cumsum(weights[order]) - 0.5 * weights[order]
+    return float(np.interp(0.5 * weights.sum(), before, values[order]))
 
 
 def _body_of(phi: Array, body: Body, change: Array) -> Body:
