@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
+import pytest
 
 from irb2400_ctrl.diagnosis import diagnose
 from irb2400_ctrl.measurement import Log
@@ -105,6 +106,7 @@ def followed(
     return found[0], found[1], found[2], found[3]
 
 
+@pytest.mark.slow
 def test_contacts_as_narrow_as_those_of_the_arm_are_no_hysteresis() -> None:
     """The base had contacts of half a milliradian and more alone: on four of 52 arms with narrower
     ones a hysteresis of 5 to 7 mrad stood beside what they had, at 0.86 to 0.90."""
