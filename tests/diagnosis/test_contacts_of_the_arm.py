@@ -7,10 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 import pytest
+from independent_plant.native import inverse_dynamics
+from independent_plant.parameters import paper_arm
 
 from irb2400_ctrl.diagnosis import diagnose
 from irb2400_ctrl.measurement import Log
-from irb2400_ctrl.model import Model
 from irb2400_ctrl.robot import load_robot
 
 Array = npt.NDArray[np.float64]
@@ -115,7 +116,7 @@ def test_contacts_as_narrow_as_those_of_the_arm_are_no_hysteresis() -> None:
     motion = reference(rng)
     width = CONTACT * np.exp(0.3 * rng.standard_normal(6))
     q, qd, qdd, held = followed(motion, friction, width)
-    tau = Model(ROBOT).inverse_dynamics(q, qd, qdd, friction=False) + held
+    tau = inverse_dynamics(paper_arm().packed(), q, qd, qdd) + held
     tau[:, 0] += OFFSET
     tau += NOISE * rng.standard_normal(q.shape)
     time = STEP * np.arange(len(q))
