@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import cached_property
+from functools import cache, cached_property, partial
 
 import numpy as np
 
@@ -11,6 +11,7 @@ from irb2400_ctrl.arrays import Array, rms
 from irb2400_ctrl.diagnosis.comparison.non_parametric import (
     NonParametricLaw,
     non_parametric_laws,
+    ripple_over_angle,
     vibrations,
 )
 from irb2400_ctrl.diagnosis.estimation.candidate import Point
@@ -50,6 +51,7 @@ class LogColumns:
         began may be all that shows them"""
         self._members: dict[tuple[object, ...], tuple[RegressorColumns, RegressorColumns]] = {}
         self._samples: dict[tuple[object, ...], RegressorColumns] = {}
+        self.ripple_over_angle = cache(partial(ripple_over_angle, motion))
 
     @cached_property
     def vibrations(self) -> tuple[Array, Array]:

@@ -20,6 +20,8 @@ from irb2400_ctrl.measurement.prepared_log import PreparedLog
 STEADY = 120.0
 """[s] over which a hum is taken to keep its frequency: of longer logs more frequencies would be
 tried, each along more rows"""
+PLACES = 7
+"""splines of the height of a ripple over the angle"""
 
 
 @dataclass(frozen=True)
@@ -152,6 +154,23 @@ def _products(x: Array, y: Array, degree: int) -> Array:
         return np.stack(every[:degree], axis=1)
 
     return np.asarray(np.einsum("mi,mj->mij", powers(x), powers(y)).reshape(len(x), degree**2))
+
+
+def ripple_over_angle(motion: PreparedLog, j: int, order: float) -> NonParametricLaw:
+    """A ripple that is stronger at some angles of its joint than at others, as where a gear or
+    bearing is rough in one place: columns sin(order q_j) b_k(q_j) and cos(order q_j) b_k(q_j) with
+    splines b_k.
+
+    Args:
+        motion: the log, prepared.
+        j: the joint (zero-based).
+        order: periods per turn.
+    """
+    q = motion.q[:, j]
+    height = splines(q, PLACES)
+    waves = [height * f(order * q)[:, None] for f in (np.sin, np.cos)]
+    name = f"ripple of order {order:.0f}, higher at some angles"
+    return NonParametricLaw(name, j, ("q",), motion.filtered(np.hstack(waves)))
 
 
 def vibrations(motion: PreparedLog) -> tuple[Array, Array]:

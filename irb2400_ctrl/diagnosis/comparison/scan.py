@@ -11,6 +11,7 @@ import numpy as np
 from irb2400_ctrl.arrays import Mask, rms
 from irb2400_ctrl.diagnosis.comparison.grid import KEPT, promising_places, step_at
 from irb2400_ctrl.diagnosis.comparison.log_columns import LogColumns
+from irb2400_ctrl.diagnosis.comparison.non_parametric import NonParametricLaw
 from irb2400_ctrl.diagnosis.estimation.candidate import (
     EVERY_JOINT,
     Candidate,
@@ -29,6 +30,7 @@ from irb2400_ctrl.diagnosis.preparation.noise import rests
 from irb2400_ctrl.diagnosis.regressors.bases import RegressorColumns
 from irb2400_ctrl.effects import LIBRARY
 from irb2400_ctrl.effects.base import within
+from irb2400_ctrl.effects.gear_ripple import GearRipple
 from irb2400_ctrl.effects.prior import Nested
 
 EVERYWHERE_PENALTY = 15.0
@@ -81,6 +83,12 @@ class Scan(LogColumns):
         found += [c for kind in rest if (c := self._everywhere(problem, kind)) is not None]
         found += [
             c for joint in range(n) if on[joint] for c in self._non_parametric(problem, joint)
+        ]
+        found += [
+            self._flexible(problem, self.ripple_over_angle(e.index, e.order))
+            for c in known
+            for e in c.effects
+            if isinstance(e, GearRipple) and c.score.gain > 0
         ]
         found += [self._vibration(problem, joint) for joint in range(n) if on[joint]]
         return sorted((c for c in found if c.score.gain > 0), key=lambda c: -c.score.gain)
@@ -288,23 +296,23 @@ class Scan(LogColumns):
         gains = problem.gains(joint, [law.columns for law in laws])
         found = []
         for place in np.argsort(-gains)[:KEPT_NON_PARAMETRIC]:
-            law = laws[place]
-            columns = RegressorColumns((joint,), law.columns[:, None, :])
-            score = problem.score(columns)
-            found.append(
-                Candidate(
-                    "unexplained",
-                    joint + 1,
-                    law.name,
-                    law.depends_on,
-                    (),
-                    columns,
-                    None,
-                    score,
-                    against_motion=law.against_motion,
-                )
-            )
+            found.append(self._flexible(problem, laws[place]))
         return found
+
+    def _flexible(self, problem: Problem, law: NonParametricLaw) -> Candidate:
+        """A flexible law as a candidate."""
+        columns = RegressorColumns((law.joint,), law.columns[:, None, :])
+        return Candidate(
+            "unexplained",
+            law.joint + 1,
+            law.name,
+            law.depends_on,
+            (),
+            columns,
+            None,
+            problem.score(columns),
+            against_motion=law.against_motion,
+        )
 
     def _vibration(self, problem: Problem, joint: int) -> Candidate:
         frequency, values = self.vibrations
