@@ -39,8 +39,8 @@ class Moved:
     Args:
         link: from 1; before, after: mass [kg], centre [m], inertia about it [kg m2], shape (10,);
         sigmas: the change over the file's standard deviations, shape (10,); errors: standard errors
-            of the numbers after it, over the same; width: of the body in those, as the fit found
-            it; could_be: whether the file's body can exist at all.
+            of the numbers after it, over the same; could_be: whether the file's body can exist at
+            all.
     """
 
     link: int
@@ -48,7 +48,6 @@ class Moved:
     after: Array
     sigmas: Array
     errors: Array
-    width: float
     could_be: bool
 
     @property
@@ -105,8 +104,7 @@ def moved_bodies(
         could_be = bool(np.linalg.eigvalsh(file)[0] > -ROUNDING * abs(np.trace(file)))
         sigmas = change / spread
         errors = _errors(theta[own], covariance[own, own]) / spread
-        width = float(fit.numbers.kappa[link])
-        found.append(Moved(link + 1, body_numbers(body), after, sigmas, errors, width, could_be))
+        found.append(Moved(link + 1, body_numbers(body), after, sigmas, errors, could_be))
     return found
 
 

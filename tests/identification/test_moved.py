@@ -38,7 +38,7 @@ def test_standard_errors_follow_the_parallel_axis_theorem(seed: int) -> None:
 def test_the_figure_shows_change_and_what_is_open() -> None:
     sigmas = np.arange(10.0) - 2.0
     errors = np.linspace(0.1, 1.0, 10)
-    (axis,) = moved_figure(Moved(3, PHI, PHI, sigmas, errors, 1.0, True)).axes
+    (axis,) = moved_figure(Moved(3, PHI, PHI, sigmas, errors, True)).axes
     dots, _, (bars,) = axis.containers[0].lines
     np.testing.assert_array_equal(dots.get_ydata(), sigmas)
     low, high = np.array(bars.get_segments())[:, :, 1].T
@@ -54,21 +54,21 @@ def test_a_number_that_the_logs_leave_open_is_no_alarm() -> None:
     gone the other way."""
     sigmas = np.array([1.0, 4.5, 0.2, 0.1, 0.0, -5.4, 0.3, 0.0, 0.0, 0.0])
     open_ones = np.array([1.0, 3.0, 1.0, 1.0, 1.0, 8.6, 1.0, 1.0, 1.0, 1.0])
-    one = Moved(7, PHI, PHI, sigmas, open_ones, 2.2, True)
+    one = Moved(7, PHI, PHI, sigmas, open_ones, True)
     assert one.most == ("Iyy", -5.4)
     assert one.shown == ("", 0.0)
     assert not one.alarms
-    known = Moved(7, PHI, PHI, sigmas, 0.5 * open_ones, 2.2, True)
+    known = Moved(7, PHI, PHI, sigmas, 0.5 * open_ones, True)
     assert known.shown == ("com_x_m", 4.5)
     assert known.alarms
-    assert not Moved(7, PHI, PHI, sigmas, 0.5 * open_ones, 2.2, False).alarms
+    assert not Moved(7, PHI, PHI, sigmas, 0.5 * open_ones, False).alarms
 
 
 def test_a_mass_that_went_absurdly_far_is_an_alarm_however_open() -> None:
     """With a clock wrong by 2 a link of 13 kg became one of 88 kg, ±49 standard deviations, and
     nothing was said of it."""
     after = 6.7 * PHI
-    one = Moved(2, PHI, after, np.full(10, 95.6), np.full(10, 49.0), 30.0, True)
+    one = Moved(2, PHI, after, np.full(10, 95.6), np.full(10, 49.0), True)
     assert one.shown == ("", 0.0)
     assert one.far
     assert one.alarms
@@ -90,6 +90,6 @@ def test_a_factor_that_most_masses_share_is_found(
     ratios: tuple[float, ...], expected: float | None
 ) -> None:
     far = np.full(10, 20.0)
-    moved = [Moved(k, PHI, r * PHI, far, 0.1 * far, 1.0, True) for k, r in enumerate(ratios, 1)]
+    moved = [Moved(k, PHI, r * PHI, far, 0.1 * far, True) for k, r in enumerate(ratios, 1)]
     found = shared_factor(moved)
     assert found == expected if expected is None else found == pytest.approx(expected, rel=0.05)

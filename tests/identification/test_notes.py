@@ -140,7 +140,7 @@ def judged(unseen: list[float], plain: list[float]) -> Any:
 
 
 def body(sigmas: float) -> Moved:
-    return Moved(1, np.ones(10), np.ones(10), np.full(10, sigmas), np.full(10, 0.1), 1.0, True)
+    return Moved(1, np.ones(10), np.ones(10), np.full(10, sigmas), np.full(10, 0.1), True)
 
 
 @pytest.mark.parametrize(
