@@ -41,6 +41,15 @@ def less_turns(angle: Array) -> Array:
     return np.asarray(angle - 2 * np.pi * np.round(angle / (2 * np.pi)))
 
 
+def cross_matrices(v: Array) -> Array:
+    """[v x] of vectors (k, 3): [v x] a is their cross product with a, shape (k, 3, 3)."""
+    K = np.zeros((len(v), 3, 3))
+    K[:, 0, 1] = -v[:, 2]
+    K[:, 0, 2] = v[:, 1]
+    K[:, 1, 2] = -v[:, 0]
+    return K - np.swapaxes(K, 1, 2)
+
+
 def rotation_about(index: int, angle: float) -> Array:
     """The rotation about x, y or z (0, 1, 2) by an angle [rad], shape (3, 3)."""
     a = (index + 1) % 3

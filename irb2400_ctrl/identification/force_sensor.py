@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.arrays import Array, cross_matrices
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.identification.fitting.consistent_fit import consistent_minimum
 from irb2400_ctrl.identification.fitting.estimate import scaled_inverse
@@ -123,22 +123,13 @@ def _rows(model: Model, robot: Robot, log: Log) -> tuple[Array, Array]:
     k = len(A)
     found = np.zeros((k, 6, 16))
     found[:, :3, 0] = A
-    found[:, :3, 1:4] = _cross(alpha) + _cross(w) @ _cross(w)
-    found[:, 3:, 1:4] = -_cross(A)
-    found[:, 3:, 4:10] = _turning(alpha) + _cross(w) @ _turning(w)
+    found[:, :3, 1:4] = cross_matrices(alpha) + cross_matrices(w) @ cross_matrices(w)
+    found[:, 3:, 1:4] = -cross_matrices(A)
+    found[:, 3:, 4:10] = _turning(alpha) + cross_matrices(w) @ _turning(w)
     found[:, :, 10:] = np.eye(6)
     read = np.column_stack([np.interp(motion.time, log.time, log.extra[c]) for c in CHANNELS])
     every = slice(2, -2, max(1, round(1.0 / (RATE * h))))
     return found[every], read[every]
-
-
-def _cross(v: Array) -> Array:
-    """[v x], (k, 3, 3)."""
-    found = np.zeros((len(v), 3, 3))
-    found[:, 0, 1] = -v[:, 2]
-    found[:, 0, 2] = v[:, 1]
-    found[:, 1, 2] = -v[:, 0]
-    return found - np.swapaxes(found, 1, 2)
 
 
 def _turning(v: Array) -> Array:

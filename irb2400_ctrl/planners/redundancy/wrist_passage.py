@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from irb2400_ctrl.arrays import Array, Integers
+from irb2400_ctrl.arrays import Array, Integers, cross_matrices
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.planners.redundancy.follow import JointTarget, arc_length, station_parameters
 from irb2400_ctrl.planners.toolpath.orientation import Orientation
@@ -222,10 +222,6 @@ def _small_rotations(v: Array) -> Array:
     """Rotations (n, 3, 3) about v by the angle whose sine is |v|."""
     sine = np.linalg.norm(v, axis=1)
     cosine = np.sqrt(np.maximum(1 - sine**2, 0))
-    K = np.zeros((len(v), 3, 3))
-    K[:, 0, 1] = -v[:, 2]
-    K[:, 0, 2] = v[:, 1]
-    K[:, 1, 2] = -v[:, 0]
-    K -= K.transpose(0, 2, 1)
+    K = cross_matrices(v)
     # Rodrigues with K already scaled by the sine: (1 - cos) / sin^2 = 1 / (1 + cos)
     return np.asarray(np.eye(3) + K + (K @ K) / (1 + cosine)[:, None, None])
