@@ -67,10 +67,6 @@ def read_csv_table(
         InputError: not readable as text, no header, rows of another width, too many rows, none in
             the cut.
     """
-    if not path.is_file():
-        raise InputError(
-            f"no log file {path}: expected a .csv or .csv.gz with time_s, q1_deg…, tau1_Nm…"
-        )
     export = scope_export(path, text)
     if export is not None:
         text = partial(export.rows, text=text)

@@ -135,7 +135,11 @@ class Slow:
         return cls(angles, qd, qdd, turn, slow(even.tau), even.time, gap, half, step, cutoff)
 
     def rows(self, delay: float = 0.0) -> Rows | None:
-        """Rows of it, as of `rows_of`."""
+        """Rows of it; None where too little of it is left to compare.
+
+        Args:
+            delay: torques are recorded so much later than the motion they belong to [s].
+        """
         half = self.half
         late = round(delay / self.step)
         place = np.arange(half + 2, len(self.angles) - half - 2)
@@ -156,11 +160,7 @@ class Slow:
         return np.asarray(np.maximum(CREEP, SLOW * np.sqrt(np.mean(self.qd**2, axis=0))))
 
 
-def rows_of(log: Log, delay: float = 0.0) -> Rows | None:
-    """Rows of a log; None where too little of it is left to compare.
-
-    Args:
-        delay: torques are recorded so much later than the motion they belong to [s].
-    """
+def rows_of(log: Log) -> Rows | None:
+    """Rows of a log; None where too little of it is left to compare."""
     slow = Slow.of(log)
-    return None if slow is None else slow.rows(delay)
+    return None if slow is None else slow.rows()
