@@ -11,7 +11,7 @@ from irb2400_ctrl.cell import Cell
 from irb2400_ctrl.planners.placement import Outlook, Placement, Proof, RailPosition
 from irb2400_ctrl.planners.redundancy.comfort import COMFORTABLE_MARGINS, comfortable
 from irb2400_ctrl.report.elements.arm_view import ArmView
-from irb2400_ctrl.report.elements.page import Page
+from irb2400_ctrl.report.elements.page import Grade, Page
 from irb2400_ctrl.report.figures.placement_figure import (
     NAMES,
     at_points,
@@ -42,11 +42,7 @@ def placement_page(
     page.answer(
         f"{_sentence(found.found, found.proof)} The part's frame stands at x {x}, y {y}, z {z} mm, "
         f"turned by {rx}, {ry}, {rz} deg.",
-        "note" if found.found.worth < 1.0 or _tight(found.proof) else "good",
-        [
-            *_facts(found.start, found.found),
-            ("places looked at", str(len(found.seen))),
-        ],
+        *_judged(found),
     )
     page.text(f"To plan there: --work-frame={x},{y},{z},{rx},{ry},{rz}")
     page.heading("The area")
@@ -55,7 +51,7 @@ def placement_page(
         "From above and from the side; each square shows the best over what is not drawn.",
     )
     around = None if cell is None else cell.placed(found.found.X_BW)
-    _add_place(page, found.robot, around, (found.start, found.found), found.proof)
+    _add_place(page, found.robot, around, found)
     if planned is not None:
         _add_planned(page, planned)
     return page
@@ -72,13 +68,12 @@ def rail_page(found: RailPosition, robot: Robot, cell: Cell) -> Page:
     page.answer(
         f"{_sentence(found.found, found.proof)} The carriage stands at {found.position_mm:g} mm: "
         f"[rail] position_mm = {found.position_mm:g} in the cell file.",
-        "note" if found.found.worth < 1.0 or _tight(found.proof) else "good",
-        [*_facts(found.start, found.found), ("places looked at", str(len(found.seen)))],
+        *_judged(found),
     )
     page.heading("Along the rail")
     page.figures([rail_figure(found)], "The worst margin over the place of the carriage.")
     around = cell.on_rail(found.position_mm)
-    _add_place(page, robot, around, (found.start, found.found), found.proof)
+    _add_place(page, robot, around, found)
     return page
 
 
@@ -102,7 +97,10 @@ def _sentence(found: Outlook, proof: Proof) -> str:
     return f"{told}{between}."
 
 
-def _facts(start: Outlook, found: Outlook) -> list[tuple[str, str]]:
+def _judged(place: Placement | RailPosition) -> tuple[Grade, list[tuple[str, str]]]:
+    """The colour of the answer and the facts beside it."""
+    start = place.start
+    found = place.found
     before = start.refused or f"{100 * start.worth:.0f} % ({_name(start.worst)})"
     now = f"{100 * found.worth:.0f} % ({_name(found.worst)})"
     facts = [
@@ -111,7 +109,8 @@ def _facts(start: Outlook, found: Outlook) -> list[tuple[str, str]]:
     ]
     if found.deflection is not None:
         facts.append(("the tip gives way by", f"{1e3 * found.deflection:.3f} mm"))
-    return facts
+    facts.append(("places looked at", str(len(place.seen))))
+    return ("note" if found.worth < 1.0 or _tight(place.proof) else "good"), facts
 
 
 def _name(margin: str) -> str:
@@ -125,10 +124,12 @@ def _unit(margin: str) -> str:
 
 
 def _add_place(
-    page: Page, robot: Robot, cell: Cell | None, pair: tuple[Outlook, Outlook], proof: Proof
+    page: Page, robot: Robot, cell: Cell | None, place: Placement | RailPosition
 ) -> None:
     """Margins of the start and of the found place, and the arm there."""
-    start, found = pair
+    start = place.start
+    found = place.found
+    proof = place.proof
     page.heading("Margins")
     page.figures(
         [margin_figure(start, found)],
