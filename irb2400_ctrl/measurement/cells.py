@@ -8,6 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from irb2400_ctrl.arrays import Mask
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.measurement.table import Table
 
@@ -27,9 +28,7 @@ def without_blank_rows(table: Table, signals: set[str]) -> Table:
         blank &= np.isnan(table.columns[name])
     if not blank.any() or blank.all():
         return table
-    columns = {name: values[~blank] for name, values in table.columns.items()}
-    rows = np.arange(len(blank)) if table.rows is None else table.rows
-    return replace(table, columns=columns, rows=rows[~blank])
+    return _kept(table, ~blank)
 
 
 def without_doubled_rows(table: Table, used: set[str]) -> Table:
@@ -40,9 +39,13 @@ def without_doubled_rows(table: Table, used: set[str]) -> Table:
         doubled &= np.diff(table.columns[name]) == 0.0
         if not doubled.any():
             return table
-    keep = np.concatenate([[True], ~doubled])
-    rows = np.arange(len(keep)) if table.rows is None else table.rows
+    return _kept(table, np.concatenate([[True], ~doubled]))
+
+
+def _kept(table: Table, keep: Mask) -> Table:
+    """Some of its rows, which keep their numbers."""
     columns = {name: values[keep] for name, values in table.columns.items()}
+    rows = np.arange(len(keep)) if table.rows is None else table.rows
     return replace(table, columns=columns, rows=rows[keep])
 
 
