@@ -10,7 +10,7 @@ import pytest
 from test_promises import run
 
 from irb2400_ctrl._renamed import PACKAGE, RENAMED
-from irb2400_ctrl.effects import Search
+from irb2400_ctrl.effects import Prior, Search
 
 
 @pytest.mark.parametrize("old", sorted(RENAMED))
@@ -50,3 +50,32 @@ def test_a_search_that_asks_for_what_has_no_effect_is_told_so() -> None:
     with pytest.warns(DeprecationWarning, match="shows_moving=True") as told:
         Search(shows_moving=True)
     assert [warning.filename for warning in told] == [__file__]
+
+
+@pytest.mark.parametrize(
+    ("room", "name", "place"),
+    [
+        ("comparison", "Criteria", "Criteria of irb2400_ctrl.diagnosis.comparison.criteria"),
+        ("comparison", "Comparison", "StepComparison of"),
+        ("estimation", "Fitter", "Fitter of irb2400_ctrl.diagnosis.estimation.fit"),
+        ("preparation", "noise_floor", "noise_floor of irb2400_ctrl.diagnosis.preparation.metrics"),
+        ("regressors", "Bases", "Bases of irb2400_ctrl.diagnosis.regressors.bases"),
+    ],
+)
+def test_a_name_that_was_promised_says_where_it_is(room: str, name: str, place: str) -> None:
+    package = importlib.import_module(f"irb2400_ctrl.diagnosis.{room}")
+    with pytest.warns(DeprecationWarning, match=place.replace(".", r"\.")) as told:
+        found = getattr(package, name)
+    assert [warning.filename for warning in told] == [__file__]
+    called, where = str(told[0].message).rsplit("; it is ", 1)[1].split(" of ")
+    assert found is getattr(importlib.import_module(where), called)
+    with pytest.raises(AttributeError, match="no attribute 'Another'"):
+        _ = package.Another
+
+
+def test_a_prior_whose_discrepancy_does_not_last_is_told_so() -> None:
+    with pytest.warns(DeprecationWarning, match="lasting=0") as told:
+        prior = Prior(discrepancy_lasts=False)
+    assert [warning.filename for warning in told] == [__file__]
+    assert prior.kept(3) == 0
+    assert Prior(lasting=2).kept(3) == 2

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
@@ -56,6 +57,7 @@ class Prior:
             else the log shows as well [nats].
         lasting: how many columns of its discrepancy, the first, say something about another motion
             or load; None: all. The others stand beside the law while one log is explained.
+        discrepancy_lasts: False is `lasting=0`, and goes with version 0.4.
     """
 
     coefficients: tuple[Normal, ...] = ()
@@ -71,6 +73,14 @@ class Prior:
     absent: tuple[str, ...] = ()
     steady: float = 0.0
     lasting: int | None = None
+    discrepancy_lasts: bool = True
+
+    def __post_init__(self) -> None:
+        """What is called otherwise now, under its new name."""
+        if not self.discrepancy_lasts:
+            said = "Prior(discrepancy_lasts=False) is Prior(lasting=0) now; the old name goes"
+            warnings.warn(f"{said} with version 0.4", DeprecationWarning, stacklevel=3)
+            object.__setattr__(self, "lasting", 0)
 
     def kept(self, columns: int) -> int:
         """How many of so many columns of discrepancy a robot's file keeps, the first."""
