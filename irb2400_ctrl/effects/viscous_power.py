@@ -32,6 +32,11 @@ class ViscousPower(Effect):
         speed = s.qd[self.index]
         return self.on(ca.fabs(speed) ** self.exponent * ca.sign(speed), s.q.numel())
 
+    def sizes(self) -> tuple[float, ...]:
+        """How much it bends at 1 rad/s, as d^2 tau / d qd^2: at an exponent of 0 it is dry
+        friction, at 1 viscous, which every joint has."""
+        return (self.coefficient * self.exponent * (self.exponent - 1.0),)
+
     @classmethod
     def grid(cls, joint: int | None) -> list[dict[str, float]]:
         return [{"exponent": p} for p in (0.4, 0.6, 1.5, 2.0, 2.5)]

@@ -31,7 +31,7 @@ def candidate(size: Any = (0.0, 5.0, 0.0), **given: Any) -> Any:
     usual: dict[str, Any] = {
         "kind": "torque_offset", "joint": 2, "known": True, "devices": frozenset(), "begins": (),
         "expected": (), "discrepancy_share": 0.5, "effects": (effect,), "rattles": False,
-        "has_own_shape": False,
+        "has_own_shape": False, "freer": "",
         "score": SimpleNamespace(gain=gain), "torque": lambda n: ROWS[:, None] * np.array(size),
         "acts_on": lambda n: np.array(size) != 0.0,
     }  # fmt: skip

@@ -79,7 +79,10 @@ def test_a_name_stands_where_hardly_more_is_said_without_it(
         return threshold().best(given, [unnamed, name]) is name
 
     assert stands() == named
-    # ripples of any order are a flexible law themselves
+    # ripples of any order are a flexible law themselves, but for one that holds the same ripple
+    assert not stands(repeats=True)
+    unnamed.candidate.freer = "gear_ripple"
+    assert stands(repeats=True, kind="gear_ripple") == named
     assert not stands(repeats=True)
 
 

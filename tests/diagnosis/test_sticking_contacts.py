@@ -24,6 +24,7 @@ from irb2400_ctrl.diagnosis.preparation.contacts import (
     near_turns,
     turns,
 )
+from irb2400_ctrl.diagnosis.preparation.fading_friction import fading_friction
 from irb2400_ctrl.diagnosis.preparation.sticking_contacts import TURNED_OVER, sticking_contacts
 from irb2400_ctrl.diagnosis.regressors.bases import Bases
 from irb2400_ctrl.effects.hysteresis import Hysteresis
@@ -127,7 +128,9 @@ def test_the_scan_and_the_base_follow_what_is_measured(of_arm: Contacts) -> None
     """No narrower hysteresis is tried, and dry friction turns over as late as it was seen to."""
     motion = prepare(log_of({}))
     scan = LogColumns(BASES, motion, load_of(motion), of_arm)
-    columns = sticking_contacts(BASES, motion, np.arange(1.0, 7.0), of_arm)
+    found = sticking_contacts(BASES, motion, np.arange(1.0, 7.0), of_arm)
+    columns, fading = np.split(found, [6 * (1 + len(TURNED_OVER))], axis=2)
+    np.testing.assert_array_equal(fading, fading_friction(ROBOT, motion))
     columns = columns.reshape(-1, 6, 6, 1 + len(TURNED_OVER))
     for joint in (5, 6):
         at = of_arm.at(joint)

@@ -308,9 +308,11 @@ class Threshold:
     ) -> bool:
         """Whether a non-parametric law says hardly more than an effect, however clearly it says it.
 
-        What one joint may have several of (ripples of any order) is a flexible function itself.
+        What one joint may have several of (ripples of any order) is a flexible function itself, but
+        for a law that holds one of them with more freedom.
         """
-        if any(e.search.repeats for e in known.candidate.effects):
+        freer = non_parametric.candidate.freer == known.candidate.kind
+        if not freer and any(e.search.repeats for e in known.candidate.effects):
             return False
         more = comparison.explained(non_parametric.candidate) - comparison.explained(
             known.candidate

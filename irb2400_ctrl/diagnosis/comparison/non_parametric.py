@@ -35,6 +35,8 @@ class NonParametricLaw:
     columns: Array
     against_motion: bool = False
     """whether it turns over with the direction, as friction does"""
+    freer: str = ""
+    """kind of an effect that it holds with more freedom"""
 
 
 def splines(x: Array, count: int) -> Array:
@@ -170,7 +172,8 @@ def ripple_over_angle(motion: PreparedLog, j: int, order: float) -> NonParametri
     height = splines(q, PLACES)
     waves = [height * f(order * q)[:, None] for f in (np.sin, np.cos)]
     name = f"ripple of order {order:.0f}, higher at some angles"
-    return NonParametricLaw(name, j, ("q",), motion.filtered(np.hstack(waves)))
+    columns = motion.filtered(np.hstack(waves))
+    return NonParametricLaw(name, j, ("q",), columns, freer="gear_ripple")
 
 
 def vibrations(motion: PreparedLog) -> tuple[Array, Array]:

@@ -312,6 +312,7 @@ class Scan(LogColumns):
             None,
             problem.score(columns),
             against_motion=law.against_motion,
+            freer=law.freer,
         )
 
     def _vibration(self, problem: Problem, joint: int) -> Candidate:

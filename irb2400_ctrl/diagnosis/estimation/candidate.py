@@ -36,6 +36,7 @@ class Candidate:
             non-parametric law.
         law, discrepancy: filtered columns.
         against_motion: whether a non-parametric law turns over with the direction.
+        freer: kind of an effect that such a law holds with more freedom.
     """
 
     kind: str
@@ -53,6 +54,7 @@ class Candidate:
     spread: dict[str, float] = field(default_factory=dict)
     """standard errors of nonlinear parameters that a search has found, from the noise alone"""
     against_motion: bool = False
+    freer: str = ""
 
     def torque(self, n: int) -> Array:
         """Filtered torque as scored, discrepancy included, shape (rows, n)."""

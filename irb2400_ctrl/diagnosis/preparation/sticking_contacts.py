@@ -11,6 +11,7 @@ import numpy as np
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.diagnosis.preparation.contacts import Contacts
+from irb2400_ctrl.diagnosis.preparation.fading_friction import fading_friction
 from irb2400_ctrl.diagnosis.regressors.bases import Bases
 from irb2400_ctrl.measurement.prepared_log import PreparedLog
 
@@ -23,7 +24,7 @@ def sticking_contacts(
     bases: Bases, motion: PreparedLog, friction: Array, contacts: Contacts
 ) -> Array:
     """Columns F_j (z_jk - sgn qd_j) with z_jk of Dahl models as narrow as the contacts of the arm
-    and `TURNED_OVER`, shape (m, n, n k), joint by joint [Nm].
+    and `TURNED_OVER`, joint by joint, then those of `fading_friction`, shape (m, n, n k) [Nm].
 
     Args:
         friction: dry friction F of each joint, or how much it may have, shape (n,) [Nm].
@@ -35,4 +36,5 @@ def sticking_contacts(
         widths = [{"width_rad": width} for width in (contacts.width, *wider)]
         for k, law in enumerate(bases.columns("hysteresis", j + 1, motion, widths, filtered=False)):
             columns[:, j, j, k] = friction[j] * law.values[:, 0].sum(axis=1)
-    return columns.reshape(len(motion.time), motion.n, -1)
+    fading = fading_friction(bases.robot, motion)
+    return np.concatenate([columns.reshape(len(motion.time), motion.n, -1), fading], axis=2)
